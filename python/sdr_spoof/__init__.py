@@ -1,0 +1,1 @@
+"""A software-defined GNSS receiver that can tell when it is being lied to."""

@@ -1,0 +1,24 @@
+"""Errors that a user can act on: each carries data and says what to do.
+
+The command line prints the message of any :class:`SdrSpoofError` on stderr and exits non-zero.
+"""
+
+
+class SdrSpoofError(Exception):
+    """Base of every error that the project raises on purpose."""
+
+
+class ConfigError(SdrSpoofError, ValueError):
+    """A configuration or scenario file, or a command-line value, is wrong."""
+
+
+class RecordingError(SdrSpoofError, OSError):
+    """A recording cannot be read: missing, empty, truncated, or not what its metadata says."""
+
+
+class SignalError(SdrSpoofError, ValueError):
+    """A signal is unknown, or the recording cannot hold it (rate too low, band outside)."""
+
+
+class OutputError(SdrSpoofError, OSError):
+    """An output cannot be written: it exists already, or the disk is full."""

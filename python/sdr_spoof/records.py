@@ -1,0 +1,144 @@
+"""Frozen records passed from stage to stage; nobody mutates another stage's record.
+
+Conventions (docs/conventions.md): times are seconds since the first sample of the recording,
+carrier phase grows as range grows (RINEX sense), Doppler is positive when approaching.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Acquisition:
+    """One signal of one satellite, as the FFT search saw it."""
+
+    signal: str
+    prn: int
+    detected: bool
+    sample_index: int
+    """Sample at which delay and Doppler hold."""
+    doppler_hz: float
+    code_delay_s: float
+    """From that sample to the first following start of a code period, in [0, period)."""
+    cn0_dbhz: float
+    statistic: float
+    threshold: float
+    doppler_bin_hz: float
+
+
+class State(IntEnum):
+    """State of a tracked sideband, in order of progress."""
+
+    LOST = 0
+    PULL_IN = 1
+    """Frequency-locked loop on 1 ms integrations."""
+    TRACKING = 2
+    """Phase and code locked; secondary code or bit edges not yet known."""
+    SYNCED = 3
+    """Secondary code or bit edges known; long integrations."""
+    COMBO = 4
+    """Tracked jointly with the other sideband of the satellite."""
+
+
+@dataclass(frozen=True)
+class SignalTrack:
+    """Epochs of one signal of one satellite. All arrays have N rows; times are mid-epoch."""
+
+    signal: str
+    prn: int
+    tap_offsets_s: NDArray[np.float64]
+    """Replica delay of each correlator tap (positive = late), shape (taps,)."""
+    prompt_tap: int
+    time_s: NDArray[np.float64]
+    integration_s: NDArray[np.float64]
+    state: NDArray[np.uint8]
+    """Values of :class:`State`."""
+    carrier_phase_cycles: NDArray[np.float64]
+    """Measured (loop oscillator plus discriminator), continuous while ``state`` >= TRACKING."""
+    doppler_hz: NDArray[np.float64]
+    code_phase_chips: NDArray[np.float64]
+    """Measured received code phase (oscillator plus discriminator), unwrapped; grows."""
+    cn0_dbhz: NDArray[np.float64]
+    phase_lock: NDArray[np.float64]
+    """Mean of cos(2 phase error): 1 locked, 0 not."""
+    taps: NDArray[np.complex64]
+    """Correlator outputs over the epoch, secondary code wiped where known, shape (N, taps)."""
+
+
+@dataclass(frozen=True)
+class ComboTrack:
+    """Joint epochs of the two sidebands of a satellite; rows belong to the same transmit time."""
+
+    prn: int
+    lower: str
+    upper: str
+    time_s: NDArray[np.float64]
+    integration_s: NDArray[np.float64]
+    state: NDArray[np.uint8]
+    """COMBO where the joint loops ran, SYNCED where each sideband ran on its own."""
+    phase_lower_cycles: NDArray[np.float64]
+    phase_upper_cycles: NDArray[np.float64]
+    cn0_lower_dbhz: NDArray[np.float64]
+    cn0_upper_dbhz: NDArray[np.float64]
+    code_difference_s: NDArray[np.float64]
+    """Measured code delay, upper minus lower."""
+    subcarrier_lock: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class TrackLog:
+    """Everything that tracking found in a recording."""
+
+    recording: str
+    sample_rate_hz: float
+    duration_s: float
+    """Length of signal that was tracked."""
+    partial: bool
+    """True if tracking was interrupted before the end."""
+    signals: tuple[SignalTrack, ...]
+    combos: tuple[ComboTrack, ...]
+
+
+@dataclass(frozen=True)
+class Alarm:
+    """A latched alarm of one detector on one satellite."""
+
+    prn: int
+    detector: str
+    band: str | None
+    """Signal that the evidence points to, None where it cannot tell."""
+    onset_s: float
+    """Estimated start of the disturbance."""
+    alarm_s: float
+    """When the rule fired."""
+    statistic: float
+    threshold: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class SatelliteVerdict:
+    """What the detectors say of one satellite."""
+
+    prn: int
+    verdict: str
+    """'clean', 'spoofed' or 'not enough support'."""
+    alarms: tuple[Alarm, ...]
+    reason: str
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What the detectors say of a recording."""
+
+    spoofed: bool
+    satellites: tuple[SatelliteVerdict, ...]
+    limits: str
+    """In words, what these detectors cannot see."""

@@ -1,0 +1,1 @@
+//! FFT search for signals.

@@ -1,0 +1,21 @@
+//! The numerical core of sdr-spoof.
+//!
+//! Everything that runs per sample or per epoch lives here: spreading codes, IF synthesis,
+//! correlation, acquisition and tracking. The crate knows nothing of Python.
+//!
+//! The only clock is the absolute sample index. Results never depend on how the input is cut
+//! into blocks or on the number of threads.
+
+pub mod acquire;
+pub mod dsp;
+pub mod error;
+pub mod nco;
+pub mod sample;
+pub mod signal;
+pub mod synth;
+pub mod track;
+
+pub use error::{Error, Result};
+
+/// Complex double, the type of every correlator output.
+pub type C64 = num_complex::Complex<f64>;

@@ -1,0 +1,1 @@
+//! IF synthesis: emitters, noise, front end and quantiser.

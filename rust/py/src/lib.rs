@@ -1,0 +1,23 @@
+//! Thin Python bindings: convert, release the GIL, map errors. No algorithm lives here.
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+mod acquire;
+mod signals;
+mod synth;
+mod track;
+
+/// Core errors become ValueError; Python wraps them where it can say more.
+fn to_py(error: sdr_spoof_core::Error) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
+#[pymodule]
+fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
+    signals::register(m)?;
+    synth::register(m)?;
+    acquire::register(m)?;
+    track::register(m)?;
+    Ok(())
+}
