@@ -21,3 +21,22 @@ def unpack(
 # acquisition
 
 # tracking
+class Tracker:
+    def __new__(
+        cls,
+        sample_format: str,
+        sample_rate_hz: float,
+        lo_hz: float,
+        config_values: dict[str, Any],
+        targets: list[tuple[str, int, int, float, float]],
+        *,
+        conjugate: bool = False,
+        float_scale: float = 1.0,
+        start_sample: int = 0,
+        threads: int = 1,
+    ) -> Tracker: ...
+    def feed(self, raw: NDArray[np.uint8]) -> None: ...
+    def lost(self) -> list[tuple[str, int, float]]: ...
+    def restart(self, seed: tuple[str, int, int, float, float]) -> None: ...
+    def signals(self) -> list[dict[str, Any]]: ...
+    def combos(self) -> list[dict[str, Any]]: ...
