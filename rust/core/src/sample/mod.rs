@@ -1,5 +1,7 @@
 //! Sample formats: raw bytes of a recording to the internal type, i16 (real, or I/Q interleaved).
 
+mod pack;
+
 use crate::{Error, Result};
 
 /// How one sample is stored.
