@@ -1,9 +1,16 @@
-"""Detection: placeholder of the configuration until the stage is merged."""
+"""Detection: placeholder of the interface until the stage is merged."""
 
 from pydantic import BaseModel, ConfigDict
+
+from sdr_spoof.records import TrackLog, Verdict
 
 
 class DetectionConfig(BaseModel):
     """Settings of the detectors."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+def detect(log: TrackLog, config: DetectionConfig) -> Verdict:
+    """Detect."""
+    raise NotImplementedError
