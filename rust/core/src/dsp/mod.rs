@@ -1,1 +1,3 @@
 //! Signal processing on samples.
+
+pub mod resample;
