@@ -1,14 +1,3 @@
-<<<<<<< HEAD
-"""Acquisition: placeholder of the interface until the stage is merged."""
-
-from collections.abc import Sequence
-
-from pydantic import BaseModel, ConfigDict
-
-from .progress import Progress
-from .records import Acquisition
-from .sources import Recording
-=======
 """FFT search of a recording for satellites: what is there, with Doppler, code delay and C/N0.
 
 Each signal is searched over all its PRNs, the whole code period and the whole Doppler range.
@@ -54,7 +43,6 @@ _STRONG = 2.0
 """A statistic of this many thresholds is beyond what cross-correlation makes of one's equals."""
 _CLOSE = 10**-1.2
 """Cross-correlation (-21 dB at worst) cannot reach this share of the strongest statistic."""
->>>>>>> acq
 
 
 class AcquisitionConfig(BaseModel):
@@ -62,15 +50,6 @@ class AcquisitionConfig(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-<<<<<<< HEAD
-
-def acquire(
-    recording: Recording,
-    config: AcquisitionConfig,
-    *,
-    signals: Sequence[str] | None = None,
-    prns: Sequence[int] | None = None,
-=======
     pfa: float = Field(
         1e-5,
         gt=0,
@@ -166,15 +145,10 @@ def acquire(
     *,
     signals: Sequence[str] | None = None,
     prns: Iterable[int] | None = None,
->>>>>>> acq
     start_sample: int = 0,
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> list[Acquisition]:
-<<<<<<< HEAD
-    """Search."""
-    raise NotImplementedError
-=======
     """Search a recording for satellites.
 
     Args:
@@ -358,4 +332,3 @@ class _SignalSearch:
             threshold=level,
             doppler_bin_hz=plan.bin_hz,
         )
->>>>>>> acq
