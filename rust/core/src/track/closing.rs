@@ -65,10 +65,14 @@ impl Sideband {
             self.carrier
                 .assist(error, share * self.config.fll_bandwidth_hz);
         }
-        let doppler = if alone {
-            self.carrier.rate
-        } else {
+        let doppler = if !alone {
             self.carrier.update(measured.phase_error)
+        } else {
+            if self.in_state_s + interval >= FLL_ALONE_S {
+                // The phase loop starts where the phase is: it need not swing in.
+                self.correlator.shift_carrier(measured.phase_error);
+            }
+            self.carrier.rate
         };
         self.finish(epoch, &measured, doppler, self.state);
     }
