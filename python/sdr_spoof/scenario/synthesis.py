@@ -133,7 +133,6 @@ class _Files:
         if self._raw:
             self.meta.write_text(_sidecar(format, partial), encoding="utf-8")
         else:
-            extra: dict[str, Any] = {"description": scenario.title or "synthetic recording"}
             write_meta(self.stem, format, {"synthetic": True, "partial": partial})
         text = json.dumps(truth(scenario, sample_count=count))
         self.truth.write_text(text + "\n", encoding="utf-8")
