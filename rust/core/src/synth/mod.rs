@@ -217,6 +217,7 @@ impl Synthesizer {
             }
             let phase = band.step.wrapping_mul(at as u64);
             wave::mix(diff, phase, band.step, re, im);
+            diff[count] = 0; // the entry past the samples, which the sum does not reach
         }
     }
 }
