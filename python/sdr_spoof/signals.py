@@ -1,0 +1,72 @@
+"""Typed access to the signal registry of the core."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+from . import _core
+from .errors import SignalError
+
+
+@dataclass(frozen=True)
+class SignalSpec:
+    """One signal component, as its ICD defines it (``description`` names the ICD)."""
+
+    id: str
+    """Registry name, e.g. ``B1CP``."""
+    composite: str
+    """The signal it is part of, e.g. ``B1C``."""
+    description: str
+    rinex: str
+    """RINEX observation code letters, e.g. ``1P``."""
+    system: str
+    """RINEX system letter."""
+    carrier_hz: float
+    chip_rate_hz: float
+    code_length: int
+    modulation: str
+    power_share: float
+    """Share of the composite signal's power."""
+    phase_offset_cycles: float
+    """Carrier phase relative to the composite's reference component."""
+    min_half_bandwidth_hz: float
+    """Half bandwidth around the carrier that a recording must hold."""
+    prns: tuple[int, ...]
+    """PRNs that transmit it."""
+
+    @property
+    def period_s(self) -> float:
+        """Code period in seconds."""
+        return self.code_length / self.chip_rate_hz
+
+
+def signal_ids() -> list[str]:
+    """Registry names of all signals."""
+    return _core.signal_ids()
+
+
+@cache
+def signal_spec(signal: str) -> SignalSpec:
+    """Specification of a signal.
+
+    Raises:
+        SignalError: if the registry has no such signal (the message lists the known ones).
+    """
+    try:
+        values = _core.signal_spec(signal)
+    except ValueError as error:
+        raise SignalError(str(error)) from error
+    return SignalSpec(**{**values, "prns": tuple(values["prns"])})
+
+
+def components(name: str) -> list[str]:
+    """Components of a composite signal (``B1C`` -> B1CD, B1CP), or the one signal so named.
+
+    Raises:
+        SignalError: if neither is known.
+    """
+    try:
+        return _core.signal_components(name)
+    except ValueError as error:
+        raise SignalError(str(error)) from error

@@ -1,0 +1,103 @@
+"""From files and pydantic errors to messages that a user can act on."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from .errors import ConfigError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+    from pathlib import Path
+
+    from pydantic_core import ErrorDetails
+
+Model = TypeVar("Model", bound=BaseModel)
+
+Location = tuple[str | int, ...]
+"""Path of a value in a nested model, as pydantic reports it."""
+
+
+def load_toml(path: Path) -> dict[str, Any]:
+    """Read a TOML file.
+
+    Raises:
+        ConfigError: if it is missing, not readable, or not TOML (with line and column).
+    """
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{path}: not valid TOML: {error}") from error
+
+
+def validated(
+    model: type[Model],
+    values: Mapping[str, Any],
+    where: Callable[[Location], str],
+) -> Model:
+    """Build a model; ``where`` names the origin of a value (file and key, or flag) in messages.
+
+    Raises:
+        ConfigError: one line for each wrong value; a misspelt key gets the nearest valid one.
+    """
+    try:
+        return model.model_validate(values)
+    except ValidationError as error:
+        lines = [f"{where(e['loc'])}: {_message(e, model)}" for e in error.errors()]
+        raise ConfigError("\n".join(lines)) from error
+
+
+def in_file(path: Path | str, table: str | None = None) -> Callable[[Location], str]:
+    """Origin of the values of one file, for :func:`validated`: ``file: [table] key``."""
+
+    def where(location: Location) -> str:
+        *tables, key = location or ("",)
+        name = ".".join(str(t) for t in ([table] if table else []) + tables)
+        return f"{path}: [{name}] {key}".rstrip() if name else f"{path}: {key}".rstrip()
+
+    return where
+
+
+def _message(error: ErrorDetails, model: type[BaseModel]) -> str:
+    if error["type"] == "extra_forbidden":
+        *tables, key = error["loc"]
+        return unknown_key(str(key), _fields_at(model, tuple(tables)))
+    if error["type"] == "missing":
+        return "missing; this value is required"
+    if error["type"] == "value_error":
+        return str(error["ctx"]["error"])
+    return f"{error['msg']}, not {error['input']!r}"
+
+
+def unknown_key(key: str, known: list[str]) -> str:
+    """Message for a key that does not exist, with the nearest existing one."""
+    near = difflib.get_close_matches(key, known, n=1, cutoff=0.4)
+    if near:
+        return f"unknown key '{key}'; did you mean '{near[0]}'?"
+    return f"unknown key '{key}'; known keys: {', '.join(known)}"
+
+
+def _fields_at(model: type[BaseModel], location: Location) -> list[str]:
+    """Field names of the model found by walking down ``location``."""
+    current: Any = model
+    for step in location:
+        field = current.model_fields.get(step) if isinstance(step, str) else None
+        if field is not None:
+            current = _inner_model(field.annotation)
+        if current is None:
+            return []
+    return sorted(current.model_fields)
+
+
+def _inner_model(annotation: Any) -> type[BaseModel] | None:
+    """First pydantic model inside an annotation such as ``list[Model]`` or ``Model | None``."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    inner = (_inner_model(a) for a in getattr(annotation, "__args__", ()))
+    return next((m for m in inner if m is not None), None)
