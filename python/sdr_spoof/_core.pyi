@@ -1,4 +1,5 @@
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, Self, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,72 @@ def unpack(
 ) -> NDArray[np.int16]: ...
 
 # synthesis
+@final
+class Emitter:
+    def __new__(
+        cls,
+        signal: str,
+        prn: int,
+        cn0_dbhz: float,
+        *,
+        delay_s: float = ...,
+        phase_cycles: float = ...,
+        doppler_hz: float = ...,
+        doppler_rate_hz_s: float = ...,
+        data_seed: int | None = ...,
+        power_db: Sequence[tuple[float, float]] = ...,
+        code_offset_m: Sequence[tuple[float, float]] = ...,
+        carrier_offset_hz: Sequence[tuple[float, float]] = ...,
+        start_s: float = ...,
+        end_s: float = ...,
+    ) -> Self: ...
+    @property
+    def signal(self) -> str: ...
+    @property
+    def prn(self) -> int: ...
+    def code_phase_chips(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]: ...
+    def received_phase_cycles(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]: ...
+    def doppler_hz(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]: ...
+    def cn0_dbhz(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]: ...
+    def data_symbols(self, index: NDArray[np.int64]) -> NDArray[np.int8]: ...
+@final
+class Synthesizer:
+    def __new__(
+        cls,
+        sample_format: str,
+        sample_rate_hz: float,
+        lo_hz: float,
+        emitters: Sequence[Emitter],
+        *,
+        noise_rms_lsb: float,
+        noise: bool = ...,
+        seed: int = ...,
+        bandwidth_hz: float | None = ...,
+        centre_hz: float | None = ...,
+        filter_taps: int = ...,
+        threads: int = ...,
+    ) -> Self: ...
+    def generate(self, start_sample: int, count: int) -> NDArray[np.uint8]: ...
 
 # acquisition
 
 # tracking
+class Tracker:
+    def __new__(
+        cls,
+        sample_format: str,
+        sample_rate_hz: float,
+        lo_hz: float,
+        config_values: dict[str, Any],
+        targets: list[tuple[str, int, int, float, float]],
+        *,
+        conjugate: bool = False,
+        float_scale: float = 1.0,
+        start_sample: int = 0,
+        threads: int = 1,
+    ) -> Tracker: ...
+    def feed(self, raw: NDArray[np.uint8]) -> None: ...
+    def lost(self) -> list[tuple[str, int, float]]: ...
+    def restart(self, seed: tuple[str, int, int, float, float]) -> None: ...
+    def signals(self) -> list[dict[str, Any]]: ...
+    def combos(self) -> list[dict[str, Any]]: ...

@@ -3,7 +3,7 @@
 //! A phase is an unsigned 64-bit fraction of a cycle (2^64 = one cycle); arithmetic wraps.
 
 /// One cycle as a float.
-const CYCLE: f64 = 18_446_744_073_709_551_616.0; // 2^64
+pub(crate) const CYCLE: f64 = 18_446_744_073_709_551_616.0; // 2^64
 
 /// Phase in cycles (any real number) to the 64-bit fraction of a cycle.
 #[inline]

@@ -37,7 +37,11 @@ fn signal_spec<'py>(py: Python<'py>, id: &str) -> PyResult<Bound<'py, PyDict>> {
 /// Registry names of the components of a composite signal.
 #[pyfunction]
 fn signal_components(name: &str) -> PyResult<Vec<&'static str>> {
-    Ok(signal::components(name).map_err(to_py)?.iter().map(|s| s.id).collect())
+    Ok(signal::components(name)
+        .map_err(to_py)?
+        .iter()
+        .map(|s| s.id)
+        .collect())
 }
 
 /// Primary code chips, +1/-1.
@@ -50,14 +54,18 @@ fn code_chips<'py>(py: Python<'py>, id: &str, prn: u16) -> PyResult<Bound<'py, P
 /// Secondary code chips, one per code period; empty if there is none.
 #[pyfunction]
 fn secondary_chips<'py>(py: Python<'py>, id: &str, prn: u16) -> PyResult<Bound<'py, PyArray1<i8>>> {
-    let chips = signal::find(id).and_then(|s| s.secondary(prn)).map_err(to_py)?;
+    let chips = signal::find(id)
+        .and_then(|s| s.secondary(prn))
+        .map_err(to_py)?;
     Ok(chips.into_pyarray(py))
 }
 
 /// Code periods per data symbol; None for a pilot.
 #[pyfunction]
 fn periods_per_symbol(id: &str, prn: u16) -> PyResult<Option<usize>> {
-    signal::find(id).and_then(|s| s.periods_per_symbol(prn)).map_err(to_py)
+    signal::find(id)
+        .and_then(|s| s.periods_per_symbol(prn))
+        .map_err(to_py)
 }
 
 /// Names of the sample formats.

@@ -1,5 +1,185 @@
-use pyo3::prelude::*;
+//! IF synthesis.
 
-pub(crate) fn register(_m: &Bound<'_, PyModule>) -> PyResult<()> {
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
+use pyo3::prelude::*;
+use sdr_spoof_core::sample::SampleFormat;
+use sdr_spoof_core::{signal, synth};
+
+use crate::to_py;
+
+type Knots = Vec<(f64, f64)>;
+
+/// A signal component of one transmitter; a spoofer is more emitters.
+#[pyclass(frozen, module = "sdr_spoof._core")]
+struct Emitter(synth::Emitter);
+
+#[pymethods]
+impl Emitter {
+    #[new]
+    #[pyo3(signature = (signal, prn, cn0_dbhz, *, delay_s=0.0, phase_cycles=0.0, doppler_hz=0.0,
+        doppler_rate_hz_s=0.0, data_seed=None, power_db=vec![], code_offset_m=vec![],
+        carrier_offset_hz=vec![], start_s=f64::NEG_INFINITY, end_s=f64::INFINITY))]
+    #[allow(clippy::too_many_arguments)] // keyword arguments in Python
+    fn new(
+        signal: &str,
+        prn: u16,
+        cn0_dbhz: f64,
+        delay_s: f64,
+        phase_cycles: f64,
+        doppler_hz: f64,
+        doppler_rate_hz_s: f64,
+        data_seed: Option<u64>,
+        power_db: Knots,
+        code_offset_m: Knots,
+        carrier_offset_hz: Knots,
+        start_s: f64,
+        end_s: f64,
+    ) -> PyResult<Self> {
+        let profile = |knots| synth::Profile::new(knots).map_err(to_py);
+        Ok(Emitter(synth::Emitter {
+            delay_s,
+            phase_cycles,
+            doppler_hz,
+            doppler_rate_hz_s,
+            data_seed,
+            power_db: profile(power_db)?,
+            code_offset_m: profile(code_offset_m)?,
+            carrier_offset_hz: profile(carrier_offset_hz)?,
+            start_s,
+            end_s,
+            ..synth::Emitter::new(signal::find(signal).map_err(to_py)?, prn, cn0_dbhz)
+        }))
+    }
+
+    /// Registry name of the signal.
+    #[getter]
+    fn signal(&self) -> &'static str {
+        self.0.signal.id
+    }
+
+    /// Satellite (or in whose name).
+    #[getter]
+    fn prn(&self) -> u16 {
+        self.0.prn
+    }
+
+    /// Total received code phase in chips at times in seconds.
+    fn code_phase_chips<'py>(
+        &self,
+        py: Python<'py>,
+        time_s: PyReadonlyArray1<'py, f64>,
+    ) -> Bound<'py, PyArray1<f64>> {
+        map(py, &time_s, |t| self.0.code_phase_chips(t))
+    }
+
+    /// Received carrier phase over the nominal carrier; grows when approaching.
+    fn received_phase_cycles<'py>(
+        &self,
+        py: Python<'py>,
+        time_s: PyReadonlyArray1<'py, f64>,
+    ) -> Bound<'py, PyArray1<f64>> {
+        map(py, &time_s, |t| self.0.received_phase_cycles(t))
+    }
+
+    /// Doppler of the carrier, positive when approaching.
+    fn doppler_hz<'py>(
+        &self,
+        py: Python<'py>,
+        time_s: PyReadonlyArray1<'py, f64>,
+    ) -> Bound<'py, PyArray1<f64>> {
+        map(py, &time_s, |t| self.0.carrier_doppler_hz(t))
+    }
+
+    /// C/N0 with the power profile; minus infinity when off the air.
+    fn cn0_dbhz<'py>(
+        &self,
+        py: Python<'py>,
+        time_s: PyReadonlyArray1<'py, f64>,
+    ) -> Bound<'py, PyArray1<f64>> {
+        map(py, &time_s, |t| self.0.cn0_at_dbhz(t))
+    }
+
+    /// Data symbols (+1 or -1) of these indices.
+    fn data_symbols<'py>(
+        &self,
+        py: Python<'py>,
+        index: PyReadonlyArray1<'py, i64>,
+    ) -> Bound<'py, PyArray1<i8>> {
+        let symbols: Vec<i8> =
+            index.as_array().iter().map(|&i| self.0.data_symbol(i)).collect();
+        symbols.into_pyarray(py)
+    }
+}
+
+fn map<'py>(
+    py: Python<'py>,
+    time_s: &PyReadonlyArray1<'py, f64>,
+    f: impl Fn(f64) -> f64,
+) -> Bound<'py, PyArray1<f64>> {
+    let values: Vec<f64> = time_s.as_array().iter().map(|&t| f(t)).collect();
+    values.into_pyarray(py)
+}
+
+/// Generates the samples of a recording, as a pure function of the sample index.
+#[pyclass(frozen, module = "sdr_spoof._core")]
+struct Synthesizer(synth::Synthesizer);
+
+#[pymethods]
+impl Synthesizer {
+    #[new]
+    #[pyo3(signature = (sample_format, sample_rate_hz, lo_hz, emitters, *, noise_rms_lsb,
+        noise=true, seed=0, bandwidth_hz=None, centre_hz=None, filter_taps=63, threads=0))]
+    #[allow(clippy::too_many_arguments)] // keyword arguments in Python
+    fn new(
+        sample_format: &str,
+        sample_rate_hz: f64,
+        lo_hz: f64,
+        emitters: Vec<PyRef<'_, Emitter>>,
+        noise_rms_lsb: f64,
+        noise: bool,
+        seed: u64,
+        bandwidth_hz: Option<f64>,
+        centre_hz: Option<f64>,
+        filter_taps: usize,
+        threads: usize,
+    ) -> PyResult<Self> {
+        let format = SampleFormat::parse(sample_format).map_err(to_py)?;
+        let filter = bandwidth_hz
+            .map(|bandwidth| {
+                let centre = (centre_hz.unwrap_or(lo_hz) - lo_hz) / sample_rate_hz;
+                let width = bandwidth / sample_rate_hz;
+                synth::Filter::new(centre, width, filter_taps, format.is_complex())
+            })
+            .transpose()
+            .map_err(to_py)?;
+        let config = synth::SynthConfig {
+            sample_rate_hz,
+            lo_hz,
+            format,
+            noise_rms_lsb,
+            noise,
+            seed,
+            filter,
+            threads,
+        };
+        let emitters = emitters.iter().map(|e| e.0.clone()).collect();
+        synth::Synthesizer::new(config, emitters).map(Synthesizer).map_err(to_py)
+    }
+
+    /// Raw bytes of the samples `start_sample..start_sample + count`.
+    fn generate<'py>(
+        &self,
+        py: Python<'py>,
+        start_sample: u64,
+        count: usize,
+    ) -> PyResult<Bound<'py, PyArray1<u8>>> {
+        let bytes = py.detach(|| self.0.generate(start_sample, count)).map_err(to_py)?;
+        Ok(bytes.into_pyarray(py))
+    }
+}
+
+pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
+    m.add_class::<Emitter>()?;
+    m.add_class::<Synthesizer>()?;
     Ok(())
 }

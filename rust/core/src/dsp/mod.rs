@@ -1,1 +1,5 @@
-//! Signal processing on samples.
+//! Signal processing on samples: the shared front end, the correlator and its slow reference.
+
+pub mod correlator;
+pub mod prefix;
+pub mod reference;

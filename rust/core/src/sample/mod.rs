@@ -1,5 +1,7 @@
 //! Sample formats: raw bytes of a recording to the internal type, i16 (real, or I/Q interleaved).
 
+mod pack;
+
 use crate::{Error, Result};
 
 /// How one sample is stored.
@@ -77,15 +79,23 @@ impl SampleFormat {
         match self.encoding {
             Encoding::I8 => out.extend(bytes.iter().map(|&b| i16::from(b as i8))),
             Encoding::I16 => {
-                out.extend(bytes.chunks_exact(2).map(|b| i16::from_le_bytes([b[0], b[1]])));
+                out.extend(
+                    bytes
+                        .chunks_exact(2)
+                        .map(|b| i16::from_le_bytes([b[0], b[1]])),
+                );
             }
-            Encoding::F32 => out.extend(bytes.chunks_exact(4).map(|b| {
-                (f32::from_le_bytes([b[0], b[1], b[2], b[3]]) * scale).round() as i16
-            })),
+            Encoding::F32 => out.extend(
+                bytes
+                    .chunks_exact(4)
+                    .map(|b| (f32::from_le_bytes([b[0], b[1], b[2], b[3]]) * scale).round() as i16),
+            ),
             Encoding::Bits2 => {
                 const LEVEL: [i16; 4] = [1, 3, -1, -3];
                 out.extend(
-                    bytes.iter().flat_map(|&b| [0, 2, 4, 6].map(|s| LEVEL[(b >> s & 3) as usize])),
+                    bytes
+                        .iter()
+                        .flat_map(|&b| [0, 2, 4, 6].map(|s| LEVEL[(b >> s & 3) as usize])),
                 );
             }
         }
@@ -103,7 +113,9 @@ mod tests {
 
     fn unpacked(name: &str, bytes: &[u8], conjugate: bool) -> Vec<i16> {
         let mut out = Vec::new();
-        SampleFormat::parse(name).unwrap().unpack(bytes, 10.0, conjugate, &mut out);
+        SampleFormat::parse(name)
+            .unwrap()
+            .unpack(bytes, 10.0, conjugate, &mut out);
         out
     }
 
@@ -121,6 +133,9 @@ mod tests {
 
     #[test]
     fn unknown_format_names_the_known_ones() {
-        assert!(SampleFormat::parse("u8").unwrap_err().to_string().contains("ri8, ci8"));
+        assert!(SampleFormat::parse("u8")
+            .unwrap_err()
+            .to_string()
+            .contains("ri8, ci8"));
     }
 }

@@ -65,7 +65,11 @@ struct Parameters {
 }
 
 const fn row(data: (usize, usize), pilot: (usize, usize), secondary: (usize, usize)) -> Parameters {
-    Parameters { data, pilot, secondary }
+    Parameters {
+        data,
+        pilot,
+        secondary,
+    }
 }
 
 /// Tables 5-2, 5-3 and 5-4 of BDS-SIS-ICD-B1C-1.0, PRN 1 first.

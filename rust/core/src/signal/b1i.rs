@@ -22,7 +22,13 @@ pub(super) const B1I: SignalSpec = SignalSpec {
     min_half_bandwidth_hz: 1.023e6,
     prns: || (1..=63).collect(),
     primary,
-    overlay: |prn| if is_geo(prn) { vec![] } else { from_bits(NH20, 20) },
+    overlay: |prn| {
+        if is_geo(prn) {
+            vec![]
+        } else {
+            from_bits(NH20, 20)
+        }
+    },
     symbol_periods: |prn| Some(if is_geo(prn) { 2 } else { 20 }),
 };
 

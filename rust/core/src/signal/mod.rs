@@ -130,7 +130,10 @@ impl SignalSpec {
         if (self.prns)().contains(&prn) {
             Ok(())
         } else {
-            Err(Error::UnknownPrn { signal: self.id.to_owned(), prn })
+            Err(Error::UnknownPrn {
+                signal: self.id.to_owned(),
+                prn,
+            })
         }
     }
 

@@ -1,1 +1,235 @@
 //! IF synthesis: emitters, noise, front end and quantiser.
+//!
+//! The output is a pure function of the configuration and the sample index: it does not depend on
+//! how it is cut into blocks, nor on the number of threads. For files only.
+
+mod emitter;
+mod filter;
+mod profile;
+mod quantile;
+mod random;
+mod render;
+mod wave;
+
+use rayon::prelude::*;
+
+pub use emitter::{Emitter, SPEED_OF_LIGHT};
+pub use filter::Filter;
+pub use profile::Profile;
+pub use random::Noise;
+
+use crate::nco::step_from_frequency;
+use crate::sample::SampleFormat;
+use crate::{Error, Result};
+use render::{Component, SEGMENT};
+
+/// Sum of all amplitudes over the noise's standard deviation that the integers can hold.
+const MAX_AMPLITUDE: f64 = 2000.0;
+
+/// What is recorded, apart from who transmits.
+#[derive(Debug, Clone)]
+pub struct SynthConfig {
+    /// Samples per second.
+    pub sample_rate_hz: f64,
+    /// Radio frequency that becomes frequency 0 in the recording.
+    pub lo_hz: f64,
+    /// Sample format of the output.
+    pub format: SampleFormat,
+    /// Standard deviation of the quantised noise (of I and of Q), in units of the output.
+    pub noise_rms_lsb: f64,
+    /// False leaves the noise out; the scaling stays.
+    pub noise: bool,
+    /// Seed of the noise.
+    pub seed: u64,
+    /// Front-end filter, if any.
+    pub filter: Option<Filter>,
+    /// Threads; 0 for one per core.
+    pub threads: usize,
+}
+
+/// Components around one carrier.
+struct Band {
+    step: u64,
+    components: Vec<Component>,
+}
+
+/// Generates the samples of a recording.
+pub struct Synthesizer {
+    config: SynthConfig,
+    bands: Vec<Band>,
+    noise: [Noise; 2],
+    pool: rayon::ThreadPool,
+}
+
+/// Buffers of one thread.
+#[derive(Default)]
+struct Workspace {
+    diff: Vec<i64>,
+    raw: [Vec<f32>; 2],
+    filtered: [Vec<f32>; 2],
+    scratch: Vec<f32>,
+}
+
+impl Synthesizer {
+    /// Plans the synthesis of `emitters`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for numbers out of range or a carrier outside the sampled band,
+    /// [`Error::UnknownPrn`] for a satellite that does not transmit the signal.
+    pub fn new(config: SynthConfig, emitters: Vec<Emitter>) -> Result<Self> {
+        check(&config)?;
+        let mut bands: Vec<Band> = Vec::new();
+        let mut total = 0.0;
+        for emitter in emitters {
+            let frequency = intermediate_frequency(&config, &emitter)?;
+            let amplitude = amplitude(&config, emitter.cn0_dbhz);
+            total += amplitude * 10f64.powf(emitter.power_db.max().max(0.0) / 20.0);
+            let component = Component::new(emitter, amplitude)?;
+            let step = step_from_frequency(frequency);
+            match bands.iter_mut().find(|b| b.step == step) {
+                Some(band) => band.components.push(component),
+                None => bands.push(Band { step, components: vec![component] }),
+            }
+        }
+        if !(total < MAX_AMPLITUDE) {
+            return Err(Error::Invalid(format!(
+                "the emitters' amplitudes add up to {total:.0} times the noise; \
+                 the limit is {MAX_AMPLITUDE}"
+            )));
+        }
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(config.threads)
+            .build()
+            .map_err(|e| Error::Invalid(format!("cannot start threads: {e}")))?;
+        let noise = [Noise::new(config.seed, 0), Noise::new(config.seed, 1)];
+        Ok(Synthesizer { config, bands, noise, pool })
+    }
+
+    /// Bytes of the samples `start..start + count`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if the range does not start and end on whole bytes.
+    pub fn generate(&self, start: u64, count: usize) -> Result<Vec<u8>> {
+        let bits = self.config.format.bits_per_sample();
+        let whole = |n: u64| n % 8 == 0 || n * bits as u64 % 8 == 0;
+        if start > 1 << 48 || count > 1 << 40 || !whole(start) || !whole(count as u64) {
+            return Err(Error::Invalid(format!(
+                "cannot generate {count} samples of {bits} bits from sample {start}: \
+                 begin and end on a whole byte, and begin before sample 2^48"
+            )));
+        }
+        let mut bytes = vec![0u8; count * bits / 8];
+        let mut pieces = Vec::new();
+        let (mut at, end) = (start as i64, start as i64 + count as i64);
+        let mut rest = bytes.as_mut_slice();
+        while at < end {
+            let to = ((at / SEGMENT + 1) * SEGMENT).min(end);
+            let (piece, tail) = rest.split_at_mut((to - at) as usize * bits / 8);
+            pieces.push((at, to, piece));
+            (at, rest) = (to, tail);
+        }
+        self.pool.install(|| {
+            pieces.into_par_iter().for_each_init(Workspace::default, |workspace, (at, to, out)| {
+                self.piece(workspace, at, to, out);
+            });
+        });
+        Ok(bytes)
+    }
+
+    /// Samples `at..to`, within one segment.
+    fn piece(&self, workspace: &mut Workspace, at: i64, to: i64, out: &mut [u8]) {
+        let complex = self.config.format.is_complex();
+        let reach = self.config.filter.as_ref().map_or(0, Filter::reach) as i64;
+        self.raw(workspace, at - reach, to + reach);
+        let count = (to - at) as usize;
+        let Workspace { raw: [re, im], filtered: [out_re, out_im], scratch, .. } = workspace;
+        let mut gain = self.config.noise_rms_lsb;
+        let (mut re, mut im) = (&*re, &*im);
+        if let Some(filter) = &self.config.filter {
+            gain /= filter.noise_gain();
+            out_re.resize(count, 0.0);
+            if complex {
+                out_im.resize(count, 0.0);
+                scratch.resize(count, 0.0);
+                filter.apply_complex([re, im], [out_re, out_im], scratch);
+            } else {
+                filter.apply_real(re, out_re);
+            }
+            (re, im) = (out_re, out_im);
+        }
+        if complex {
+            scratch.clear();
+            scratch.extend(re.iter().zip(im).flat_map(|(&i, &q)| [i, q]));
+            re = scratch;
+        }
+        self.config.format.pack(re, gain as f32, out);
+    }
+
+    /// Signals and noise of samples `at..to` before the filter, noise of unit variance.
+    fn raw(&self, workspace: &mut Workspace, at: i64, to: i64) {
+        let Workspace { diff, raw: [re, im], .. } = workspace;
+        let count = (to - at) as usize;
+        re.resize(count, 0.0);
+        im.resize(if self.config.format.is_complex() { count } else { 0 }, 0.0);
+        for (buffer, noise) in [&mut *re, &mut *im].into_iter().zip(&self.noise) {
+            if self.config.noise {
+                noise.fill(at, buffer);
+            } else {
+                buffer.fill(0.0);
+            }
+        }
+        diff.resize(count + 1, 0);
+        for band in &self.bands {
+            for segment in at.div_euclid(SEGMENT)..=(to - 1).div_euclid(SEGMENT) {
+                let origin = segment * SEGMENT;
+                let (from, upto) = (at.max(origin), to.min(origin + SEGMENT));
+                let part = &mut diff[(from - at) as usize..=(upto - at) as usize];
+                for c in &band.components {
+                    let fs = self.config.sample_rate_hz;
+                    c.render(segment, from - origin, upto - origin, fs, part);
+                }
+            }
+            let phase = band.step.wrapping_mul(at as u64);
+            wave::mix(diff, phase, band.step, re, im);
+        }
+    }
+}
+
+fn check(config: &SynthConfig) -> Result<()> {
+    let SynthConfig { sample_rate_hz, lo_hz, noise_rms_lsb, .. } = *config;
+    if !(sample_rate_hz.is_finite() && sample_rate_hz > 0.0 && lo_hz.is_finite()) {
+        return Err(Error::Invalid("sample rate must be positive, lo_hz finite".into()));
+    }
+    if !(noise_rms_lsb.is_finite() && noise_rms_lsb > 0.0) {
+        return Err(Error::Invalid(format!("noise_rms_lsb is {noise_rms_lsb}, must be positive")));
+    }
+    Ok(())
+}
+
+/// Intermediate frequency in cycles per sample.
+fn intermediate_frequency(config: &SynthConfig, emitter: &Emitter) -> Result<f64> {
+    let frequency = (emitter.signal.carrier_hz - config.lo_hz) / config.sample_rate_hz;
+    let lowest = if config.format.is_complex() { -0.5 } else { 0.0 };
+    if (lowest..0.5).contains(&frequency) {
+        return Ok(frequency);
+    }
+    Err(Error::Invalid(format!(
+        "{} at {:.3} MHz falls at {:.3} MHz in the recording, outside the sampled band",
+        emitter.signal.id,
+        emitter.signal.carrier_hz / 1e6,
+        frequency * config.sample_rate_hz / 1e6
+    )))
+}
+
+/// Amplitude of a component over the noise's standard deviation (of I or Q).
+///
+/// White noise of variance s^2 has N0 = s^2 / (fs/2), real or, in each of I and Q, complex. A real
+/// signal A cos has the power A^2 / 2 (of A^2 in the complex case, where N0 doubles with I and Q).
+fn amplitude(config: &SynthConfig, cn0_dbhz: f64) -> f64 {
+    let ratio = 10f64.powf(cn0_dbhz / 10.0) / config.sample_rate_hz;
+    if config.format.is_complex() {
+        (2.0 * ratio).sqrt()
+    } else {
+        2.0 * ratio.sqrt()
+    }
+}

@@ -14,7 +14,10 @@ pub struct Lfsr {
 impl Lfsr {
     /// A register with its initial stages (stage 1 first) and 1-based feedback stages.
     pub fn new(initial: &[u8], feedback: &'static [usize]) -> Self {
-        Lfsr { stages: initial.to_vec(), feedback }
+        Lfsr {
+            stages: initial.to_vec(),
+            feedback,
+        }
     }
 
     /// Sum of 1-based stages.

@@ -7,5 +7,8 @@ pub const NH20: u32 = 0b0000_0100_1101_0100_1110;
 
 /// The `length` low bits of `bits`, most significant first, as chips.
 pub fn from_bits(bits: u32, length: usize) -> Vec<i8> {
-    (0..length).rev().map(|i| chip((bits >> i & 1) as u8)).collect()
+    (0..length)
+        .rev()
+        .map(|i| chip((bits >> i & 1) as u8))
+        .collect()
 }

@@ -1,0 +1,128 @@
+//! One transmitted signal component as the antenna receives it: the truth, in f64.
+
+use super::profile::Profile;
+use super::random::hash;
+use crate::signal::SignalSpec;
+use crate::{Error, Result};
+
+/// Speed of light in m/s.
+pub const SPEED_OF_LIGHT: f64 = 299_792_458.0;
+
+/// A signal component of one transmitter. A spoofer is more emitters.
+///
+/// Time `t` is seconds since sample 0. With `D(t) = doppler_hz t + doppler_rate_hz_s t^2 / 2`:
+/// - code phase in chips: `chip_rate (t - delay_s - code_offset_m(t)/c) + chip_rate/carrier D(t)`,
+///   chip 0 of code period 0 of symbol 0 starting at phase 0;
+/// - received carrier phase in cycles, over the nominal carrier: `phase_cycles + D(t) +` the
+///   integral of `carrier_offset_hz` from 0 to t.
+#[derive(Debug, Clone)]
+pub struct Emitter {
+    /// What is sent.
+    pub signal: &'static SignalSpec,
+    /// By which satellite (or in whose name).
+    pub prn: u16,
+    /// C/N0 of this component where `power_db` is 0.
+    pub cn0_dbhz: f64,
+    /// Code delay at t = 0, of any size and sign.
+    pub delay_s: f64,
+    /// Carrier phase at t = 0.
+    pub phase_cycles: f64,
+    /// Doppler at t = 0, positive when approaching.
+    pub doppler_hz: f64,
+    /// Rate of change of the Doppler.
+    pub doppler_rate_hz_s: f64,
+    /// Pseudo-random data symbols, a hash of (seed, symbol index); `None`: all +1.
+    pub data_seed: Option<u64>,
+    /// Power over `cn0_dbhz`.
+    pub power_db: Profile,
+    /// Extra code delay in metres; does not move the carrier.
+    pub code_offset_m: Profile,
+    /// Extra Doppler; does not move the code.
+    pub carrier_offset_hz: Profile,
+    /// On the air from this time on.
+    pub start_s: f64,
+    /// Off the air from this time on.
+    pub end_s: f64,
+}
+
+impl Emitter {
+    /// A steady emitter with everything else at zero, on the air for ever.
+    pub fn new(signal: &'static SignalSpec, prn: u16, cn0_dbhz: f64) -> Self {
+        Emitter {
+            signal,
+            prn,
+            cn0_dbhz,
+            delay_s: 0.0,
+            phase_cycles: 0.0,
+            doppler_hz: 0.0,
+            doppler_rate_hz_s: 0.0,
+            data_seed: None,
+            power_db: Profile::default(),
+            code_offset_m: Profile::default(),
+            carrier_offset_hz: Profile::default(),
+            start_s: f64::NEG_INFINITY,
+            end_s: f64::INFINITY,
+        }
+    }
+
+    /// Checks what the synthesis relies on.
+    pub(super) fn check(&self) -> Result<()> {
+        let numbers = [
+            ("cn0_dbhz", self.cn0_dbhz),
+            ("delay_s", self.delay_s),
+            ("phase_cycles", self.phase_cycles),
+            ("doppler_hz", self.doppler_hz),
+            ("doppler_rate_hz_s", self.doppler_rate_hz_s),
+        ];
+        let bad = numbers.iter().find(|(_, v)| !v.is_finite());
+        match bad {
+            Some((name, v)) => Err(Error::Invalid(format!(
+                "emitter {} PRN {}: {name} is {v}, must be a finite number",
+                self.signal.id, self.prn
+            ))),
+            None if self.start_s.is_nan() || self.end_s.is_nan() => Err(Error::Invalid(format!(
+                "emitter {} PRN {}: start_s and end_s must be numbers",
+                self.signal.id, self.prn
+            ))),
+            None => Ok(()),
+        }
+    }
+
+    fn doppler_cycles(&self, t: f64) -> f64 {
+        (self.doppler_hz + 0.5 * self.doppler_rate_hz_s * t) * t
+    }
+
+    /// Total received code phase, in chips.
+    pub fn code_phase_chips(&self, t: f64) -> f64 {
+        let s = self.signal;
+        let delay = self.delay_s + self.code_offset_m.value(t) / SPEED_OF_LIGHT;
+        s.chip_rate_hz * (t - delay) + self.doppler_cycles(t) * (s.chip_rate_hz / s.carrier_hz)
+    }
+
+    /// Received carrier phase over the nominal carrier, in cycles; grows when approaching.
+    pub fn received_phase_cycles(&self, t: f64) -> f64 {
+        self.phase_cycles + self.doppler_cycles(t) + self.carrier_offset_hz.integral(t)
+    }
+
+    /// Doppler of the carrier.
+    pub fn carrier_doppler_hz(&self, t: f64) -> f64 {
+        self.doppler_hz + self.doppler_rate_hz_s * t + self.carrier_offset_hz.value(t)
+    }
+
+    /// C/N0 with the power profile; minus infinity when off the air.
+    pub fn cn0_at_dbhz(&self, t: f64) -> f64 {
+        if t >= self.start_s && t < self.end_s {
+            self.cn0_dbhz + self.power_db.value(t)
+        } else {
+            f64::NEG_INFINITY
+        }
+    }
+
+    /// Data symbol (+1 or -1) of this index.
+    pub fn data_symbol(&self, index: i64) -> i8 {
+        match self.data_seed {
+            Some(seed) => 1 - 2 * (hash(seed, index as u64) >> 63) as i8,
+            None => 1,
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! The front-end filter: a linear-phase FIR band-pass, windowed sinc.
+//!
+//! Its centre tap belongs to the output sample, so it delays nothing.
+
+use std::f64::consts::PI;
+
+use crate::{Error, Result};
+
+/// Kaiser window for about 60 dB of stop-band attenuation (Oppenheim and Schafer, eq. 7.75).
+const BETA: f64 = 5.653;
+/// Samples worked on at once: accumulators that fit the registers.
+const TILE: usize = 32;
+
+/// A band-pass around `centre` of width `width` (6 dB points), both in cycles per sample.
+#[derive(Debug, Clone)]
+pub struct Filter {
+    /// Real part of the taps 0 (centre) to `reach`; tap -k is its conjugate.
+    even: Vec<f32>,
+    /// Imaginary part of the taps; empty where all are zero.
+    odd: Vec<f32>,
+}
+
+/// Modified Bessel function of the first kind and order 0.
+fn bessel_i0(x: f64) -> f64 {
+    let mut term = 1.0;
+    (1..60).fold(1.0, |sum, k| {
+        term *= (0.5 * x / f64::from(k)).powi(2);
+        sum + term
+    })
+}
+
+impl Filter {
+    /// Designs the filter; `complex` is whether samples are.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where the pass band is not inside the sampled band.
+    pub fn new(centre: f64, width: f64, taps: usize, complex: bool) -> Result<Self> {
+        let lowest = if complex { -0.5 } else { 0.0 };
+        let inside = centre - 0.5 * width >= lowest && centre + 0.5 * width <= 0.5;
+        if !(width > 0.0 && inside && taps % 2 == 1) {
+            return Err(Error::Invalid(format!(
+                "front-end band of {width} around {centre} cycles per sample is not inside the \
+                 sampled band ({lowest} to 0.5), or its {taps} taps are not an odd number"
+            )));
+        }
+        let reach = taps / 2;
+        let low_pass: Vec<f64> = (0..=reach)
+            .map(|k| {
+                let x = k as f64 / (reach as f64 + 1.0);
+                let window = bessel_i0(BETA * (1.0 - x * x).sqrt()) / bessel_i0(BETA);
+                let sinc = match k {
+                    0 => width,
+                    _ => (PI * width * k as f64).sin() / (PI * k as f64),
+                };
+                sinc * window
+            })
+            .collect();
+        // Unit gain at zero frequency before the shift to the centre.
+        let gain = low_pass[0] + 2.0 * low_pass[1..].iter().sum::<f64>();
+        let turn = |k: usize| 2.0 * PI * centre * k as f64;
+        let shifted = |f: fn(f64) -> f64, factor: f64| -> Vec<f32> {
+            let tap = |(k, h): (usize, &f64)| (factor * h / gain * f(turn(k))) as f32;
+            low_pass.iter().enumerate().map(tap).collect()
+        };
+        Ok(if complex {
+            let odd = if centre == 0.0 { vec![] } else { shifted(f64::sin, 1.0) };
+            Filter { even: shifted(f64::cos, 1.0), odd }
+        } else {
+            Filter { even: shifted(f64::cos, 2.0), odd: vec![] }
+        })
+    }
+
+    /// Samples needed before and after those wanted.
+    pub fn reach(&self) -> usize {
+        self.even.len() - 1
+    }
+
+    /// Gain of white noise, as a ratio of standard deviations.
+    pub fn noise_gain(&self) -> f64 {
+        let power = |taps: &[f32]| -> f64 {
+            let squares = taps.iter().map(|&h| f64::from(h).powi(2));
+            squares.enumerate().map(|(k, p)| if k == 0 { p } else { 2.0 * p }).sum()
+        };
+        (power(&self.even) + power(&self.odd)).sqrt()
+    }
+
+    /// Complex gain at a frequency in cycles per sample (it is real: the phase is linear).
+    pub fn gain(&self, frequency: f64) -> f64 {
+        let turn = |k: usize| 2.0 * PI * frequency * k as f64;
+        let even = self.even.iter().enumerate();
+        let odd = self.odd.iter().enumerate();
+        even.map(|(k, &h)| f64::from(h) * turn(k).cos() * if k == 0 { 1.0 } else { 2.0 })
+            .chain(odd.map(|(k, &h)| 2.0 * f64::from(h) * turn(k).sin()))
+            .sum()
+    }
+
+    /// Filters real samples; `x` has `reach` samples more than `out` on either side.
+    pub fn apply_real(&self, x: &[f32], out: &mut [f32]) {
+        convolve(&self.even, 1.0, x, out);
+    }
+
+    /// Filters complex samples, like [`Self::apply_real`].
+    pub fn apply_complex(&self, x: [&[f32]; 2], out: [&mut [f32]; 2], scratch: &mut [f32]) {
+        let [re, im] = out;
+        convolve(&self.even, 1.0, x[0], re);
+        convolve(&self.even, 1.0, x[1], im);
+        if !self.odd.is_empty() {
+            // (even + j odd) * (x0 + j x1)
+            convolve(&self.odd, -1.0, x[1], scratch);
+            re.iter_mut().zip(&*scratch).for_each(|(o, s)| *o -= s);
+            convolve(&self.odd, -1.0, x[0], scratch);
+            im.iter_mut().zip(&*scratch).for_each(|(o, s)| *o += s);
+        }
+    }
+}
+
+/// `out[n] = h[0] x[n] + sum over k of h[k] (x[n - k] + parity x[n + k])`, x counted from `reach`.
+///
+/// The order of the sum is fixed and nothing is fused: the same bits on every machine.
+fn convolve(h: &[f32], parity: f32, x: &[f32], out: &mut [f32]) {
+    let reach = h.len() - 1;
+    for (tile, o) in out.chunks_mut(TILE).enumerate() {
+        let x = &x[tile * TILE..tile * TILE + o.len() + 2 * reach];
+        let mut sum = [0f32; TILE];
+        if o.len() == TILE {
+            add_tile(h, parity, x, &mut sum);
+        } else {
+            let mut padded = x.to_vec();
+            padded.resize(TILE + 2 * reach, 0.0);
+            add_tile(h, parity, &padded, &mut sum);
+        }
+        o.copy_from_slice(&sum[..o.len()]);
+    }
+}
+
+#[inline(always)]
+fn add_tile(h: &[f32], parity: f32, x: &[f32], sum: &mut [f32; TILE]) {
+    let reach = h.len() - 1;
+    for (s, x) in sum.iter_mut().zip(&x[reach..reach + TILE]) {
+        *s = h[0] * x;
+    }
+    for (k, &h) in h.iter().enumerate().skip(1) {
+        let before = &x[reach - k..reach - k + TILE];
+        let after = &x[reach + k..reach + k + TILE];
+        for ((s, a), b) in sum.iter_mut().zip(before).zip(after) {
+            *s += h * (a + parity * b);
+        }
+    }
+}
