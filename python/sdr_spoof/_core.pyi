@@ -66,6 +66,39 @@ class Synthesizer:
     def generate(self, start_sample: int, count: int) -> NDArray[np.uint8]: ...
 
 # acquisition
+class SearchPeak:
+    @property
+    def prn(self) -> int: ...
+    @property
+    def statistic(self) -> float: ...
+    @property
+    def cells(self) -> int: ...
+    @property
+    def doppler_hz(self) -> float: ...
+    @property
+    def code_delay_s(self) -> float: ...
+    @property
+    def cn0_dbhz(self) -> float: ...
+
+class Search:
+    def __new__(
+        cls,
+        signal: str,
+        raw: NDArray[np.uint8],
+        sample_format: str,
+        *,
+        sample_rate_hz: float,
+        if_hz: float,
+        blocks: int,
+        threads: int,
+        first: int = ...,
+        scale: float = ...,
+        conjugate: bool = ...,
+    ) -> Search: ...
+    def cancel(self, known: list[tuple[int, float, float]]) -> None: ...
+    def run(self, jobs: list[tuple[int, int, int]]) -> list[SearchPeak]: ...
+
+def search_peak_shape(signal: str, delays: list[float]) -> tuple[float, list[float]]: ...
 
 # tracking
 class Tracker:

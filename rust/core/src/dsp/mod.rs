@@ -3,3 +3,4 @@
 pub mod correlator;
 pub mod prefix;
 pub mod reference;
+pub mod resample;
