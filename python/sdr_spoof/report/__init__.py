@@ -1,8 +1,8 @@
-"""Report: placeholder of the interface until the stage is merged."""
+"""Report: the verdict as a self-contained HTML file and in the terminal."""
 
-from typing import Any
+from sdr_spoof.report.figures.difference import TruthMark
+from sdr_spoof.report.html import write_report
+from sdr_spoof.report.spectrum import Spectrum, estimate_spectrum
+from sdr_spoof.report.terminal import print_verdict
 
-
-def write_report(path: Any, *args: Any, **kwargs: Any) -> None:
-    """Write."""
-    raise NotImplementedError
+__all__ = ["Spectrum", "TruthMark", "estimate_spectrum", "print_verdict", "write_report"]
