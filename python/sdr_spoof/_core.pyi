@@ -4,8 +4,6 @@ from typing import Any, Self, final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__: list[str]
-
 # signals
 def signal_ids() -> list[str]: ...
 def signal_spec(id: str) -> dict[str, Any]: ...
