@@ -105,8 +105,11 @@ impl Emitter {
         py: Python<'py>,
         index: PyReadonlyArray1<'py, i64>,
     ) -> Bound<'py, PyArray1<i8>> {
-        let symbols: Vec<i8> =
-            index.as_array().iter().map(|&i| self.0.data_symbol(i)).collect();
+        let symbols: Vec<i8> = index
+            .as_array()
+            .iter()
+            .map(|&i| self.0.data_symbol(i))
+            .collect();
         symbols.into_pyarray(py)
     }
 }
@@ -163,7 +166,9 @@ impl Synthesizer {
             threads,
         };
         let emitters = emitters.iter().map(|e| e.0.clone()).collect();
-        synth::Synthesizer::new(config, emitters).map(Synthesizer).map_err(to_py)
+        synth::Synthesizer::new(config, emitters)
+            .map(Synthesizer)
+            .map_err(to_py)
     }
 
     /// Raw bytes of the samples `start_sample..start_sample + count`.
@@ -173,7 +178,9 @@ impl Synthesizer {
         start_sample: u64,
         count: usize,
     ) -> PyResult<Bound<'py, PyArray1<u8>>> {
-        let bytes = py.detach(|| self.0.generate(start_sample, count)).map_err(to_py)?;
+        let bytes = py
+            .detach(|| self.0.generate(start_sample, count))
+            .map_err(to_py)?;
         Ok(bytes.into_pyarray(py))
     }
 }

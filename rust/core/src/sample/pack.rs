@@ -24,9 +24,12 @@ impl SampleFormat {
             Encoding::F32 => out.chunks_exact_mut(4).zip(values).for_each(|(o, v)| {
                 o.copy_from_slice(&(v * gain).to_le_bytes());
             }),
-            Encoding::Bits2 => out.iter_mut().zip(values.chunks_exact(4)).for_each(|(o, v)| {
-                *o = (0..4).fold(0, |byte, k| byte | two_bits(v[k] * gain) << (2 * k));
-            }),
+            Encoding::Bits2 => out
+                .iter_mut()
+                .zip(values.chunks_exact(4))
+                .for_each(|(o, v)| {
+                    *o = (0..4).fold(0, |byte, k| byte | two_bits(v[k] * gain) << (2 * k));
+                }),
         }
     }
 }
@@ -64,7 +67,9 @@ mod tests {
     fn integers_round_and_saturate() {
         let mut out = [0u8; 6];
         let values = [0.6, -0.6, 500.0, -500.0, 2.4, f32::INFINITY];
-        SampleFormat::parse("ri8").unwrap().pack(&values, 1.0, &mut out);
+        SampleFormat::parse("ri8")
+            .unwrap()
+            .pack(&values, 1.0, &mut out);
         assert_eq!(out.map(|b| b as i8), [1, -1, 127, -127, 2, 127]);
     }
 }

@@ -63,10 +63,20 @@ impl Filter {
             low_pass.iter().enumerate().map(tap).collect()
         };
         Ok(if complex {
-            let odd = if centre == 0.0 { vec![] } else { shifted(f64::sin, 1.0) };
-            Filter { even: shifted(f64::cos, 1.0), odd }
+            let odd = if centre == 0.0 {
+                vec![]
+            } else {
+                shifted(f64::sin, 1.0)
+            };
+            Filter {
+                even: shifted(f64::cos, 1.0),
+                odd,
+            }
         } else {
-            Filter { even: shifted(f64::cos, 2.0), odd: vec![] }
+            Filter {
+                even: shifted(f64::cos, 2.0),
+                odd: vec![],
+            }
         })
     }
 
@@ -79,7 +89,10 @@ impl Filter {
     pub fn noise_gain(&self) -> f64 {
         let power = |taps: &[f32]| -> f64 {
             let squares = taps.iter().map(|&h| f64::from(h).powi(2));
-            squares.enumerate().map(|(k, p)| if k == 0 { p } else { 2.0 * p }).sum()
+            squares
+                .enumerate()
+                .map(|(k, p)| if k == 0 { p } else { 2.0 * p })
+                .sum()
         };
         (power(&self.even) + power(&self.odd)).sqrt()
     }

@@ -88,7 +88,10 @@ impl Synthesizer {
             let step = step_from_frequency(frequency);
             match bands.iter_mut().find(|b| b.step == step) {
                 Some(band) => band.components.push(component),
-                None => bands.push(Band { step, components: vec![component] }),
+                None => bands.push(Band {
+                    step,
+                    components: vec![component],
+                }),
             }
         }
         if !(total < MAX_AMPLITUDE) {
@@ -102,7 +105,12 @@ impl Synthesizer {
             .build()
             .map_err(|e| Error::Invalid(format!("cannot start threads: {e}")))?;
         let noise = [Noise::new(config.seed, 0), Noise::new(config.seed, 1)];
-        Ok(Synthesizer { config, bands, noise, pool })
+        Ok(Synthesizer {
+            config,
+            bands,
+            noise,
+            pool,
+        })
     }
 
     /// Bytes of the samples `start..start + count`.
@@ -129,9 +137,11 @@ impl Synthesizer {
             (at, rest) = (to, tail);
         }
         self.pool.install(|| {
-            pieces.into_par_iter().for_each_init(Workspace::default, |workspace, (at, to, out)| {
-                self.piece(workspace, at, to, out);
-            });
+            pieces
+                .into_par_iter()
+                .for_each_init(Workspace::default, |workspace, (at, to, out)| {
+                    self.piece(workspace, at, to, out);
+                });
         });
         Ok(bytes)
     }
@@ -142,7 +152,12 @@ impl Synthesizer {
         let reach = self.config.filter.as_ref().map_or(0, Filter::reach) as i64;
         self.raw(workspace, at - reach, to + reach);
         let count = (to - at) as usize;
-        let Workspace { raw: [re, im], filtered: [out_re, out_im], scratch, .. } = workspace;
+        let Workspace {
+            raw: [re, im],
+            filtered: [out_re, out_im],
+            scratch,
+            ..
+        } = workspace;
         let mut gain = self.config.noise_rms_lsb;
         let (mut re, mut im) = (&*re, &*im);
         if let Some(filter) = &self.config.filter {
@@ -167,10 +182,21 @@ impl Synthesizer {
 
     /// Signals and noise of samples `at..to` before the filter, noise of unit variance.
     fn raw(&self, workspace: &mut Workspace, at: i64, to: i64) {
-        let Workspace { diff, raw: [re, im], .. } = workspace;
+        let Workspace {
+            diff,
+            raw: [re, im],
+            ..
+        } = workspace;
         let count = (to - at) as usize;
         re.resize(count, 0.0);
-        im.resize(if self.config.format.is_complex() { count } else { 0 }, 0.0);
+        im.resize(
+            if self.config.format.is_complex() {
+                count
+            } else {
+                0
+            },
+            0.0,
+        );
         for (buffer, noise) in [&mut *re, &mut *im].into_iter().zip(&self.noise) {
             if self.config.noise {
                 noise.fill(at, buffer);
@@ -196,12 +222,21 @@ impl Synthesizer {
 }
 
 fn check(config: &SynthConfig) -> Result<()> {
-    let SynthConfig { sample_rate_hz, lo_hz, noise_rms_lsb, .. } = *config;
+    let SynthConfig {
+        sample_rate_hz,
+        lo_hz,
+        noise_rms_lsb,
+        ..
+    } = *config;
     if !(sample_rate_hz.is_finite() && sample_rate_hz > 0.0 && lo_hz.is_finite()) {
-        return Err(Error::Invalid("sample rate must be positive, lo_hz finite".into()));
+        return Err(Error::Invalid(
+            "sample rate must be positive, lo_hz finite".into(),
+        ));
     }
     if !(noise_rms_lsb.is_finite() && noise_rms_lsb > 0.0) {
-        return Err(Error::Invalid(format!("noise_rms_lsb is {noise_rms_lsb}, must be positive")));
+        return Err(Error::Invalid(format!(
+            "noise_rms_lsb is {noise_rms_lsb}, must be positive"
+        )));
     }
     Ok(())
 }
@@ -209,7 +244,11 @@ fn check(config: &SynthConfig) -> Result<()> {
 /// Intermediate frequency in cycles per sample.
 fn intermediate_frequency(config: &SynthConfig, emitter: &Emitter) -> Result<f64> {
     let frequency = (emitter.signal.carrier_hz - config.lo_hz) / config.sample_rate_hz;
-    let lowest = if config.format.is_complex() { -0.5 } else { 0.0 };
+    let lowest = if config.format.is_complex() {
+        -0.5
+    } else {
+        0.0
+    };
     if (lowest..0.5).contains(&frequency) {
         return Ok(frequency);
     }

@@ -19,7 +19,9 @@ impl Profile {
     /// [`Error::Invalid`] if a number is not finite or times decrease.
     pub fn new(knots: Vec<(f64, f64)>) -> Result<Self> {
         if knots.iter().any(|&(t, v)| !t.is_finite() || !v.is_finite()) {
-            return Err(Error::Invalid("a profile knot is not a finite number".into()));
+            return Err(Error::Invalid(
+                "a profile knot is not a finite number".into(),
+            ));
         }
         if knots.windows(2).any(|w| w[1].0 < w[0].0) {
             return Err(Error::Invalid("profile times must not decrease".into()));
@@ -45,7 +47,11 @@ impl Profile {
 
     /// Largest value at a knot; 0 without knots.
     pub fn max(&self) -> f64 {
-        self.knots.iter().map(|k| k.1).reduce(f64::max).unwrap_or(0.0)
+        self.knots
+            .iter()
+            .map(|k| k.1)
+            .reduce(f64::max)
+            .unwrap_or(0.0)
     }
 
     /// Integral from time 0 to `t` seconds.
@@ -75,7 +81,10 @@ mod tests {
     #[test]
     fn value_and_integral() {
         let p = Profile::new(vec![(1.0, 2.0), (3.0, 6.0), (3.0, 0.0), (4.0, 1.0)]).unwrap();
-        assert_eq!([0.0, 1.0, 2.0, 3.0, 3.5, 9.0].map(|t| p.value(t)), [2., 2., 4., 0., 0.5, 1.]);
+        assert_eq!(
+            [0.0, 1.0, 2.0, 3.0, 3.5, 9.0].map(|t| p.value(t)),
+            [2., 2., 4., 0., 0.5, 1.]
+        );
         assert_eq!(p.integral(-1.0), -2.0);
         assert_eq!(p.integral(2.0), 2.0 + 3.0);
         assert_eq!(p.integral(5.0), 2.0 + 8.0 + 0.5 + 1.0);

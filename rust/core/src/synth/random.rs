@@ -36,7 +36,10 @@ static TABLE: LazyLock<Vec<[f32; 2]>> = LazyLock::new(|| {
         .map(|k| {
             if (TAIL..BINS - TAIL).contains(&k) {
                 let width = edge(k + 1) - edge(k);
-                [edge(k) as f32, (width / f64::from(1u32 << FRACTION_BITS)) as f32]
+                [
+                    edge(k) as f32,
+                    (width / f64::from(1u32 << FRACTION_BITS)) as f32,
+                ]
             } else {
                 [0.0, 0.0]
             }
@@ -53,7 +56,9 @@ pub struct Noise {
 impl Noise {
     /// Stream number `stream` of a seed; streams are independent.
     pub fn new(seed: u64, stream: u64) -> Self {
-        Noise { key: mix(hash(seed, stream)) }
+        Noise {
+            key: mix(hash(seed, stream)),
+        }
     }
 
     /// Writes the noise of samples `start..start + out.len()`.
@@ -142,7 +147,10 @@ mod tests {
             let p = 2.0 * crate::synth::quantile::tests::normal_tail(k);
             let expected = p * N as f64;
             let seen = x.iter().filter(|v| v.abs() > k).count() as f64;
-            assert!((seen - expected).abs() < 4.0 * expected.sqrt(), "{k}: {seen} {expected}");
+            assert!(
+                (seen - expected).abs() < 4.0 * expected.sqrt(),
+                "{k}: {seen} {expected}"
+            );
         }
     }
 
@@ -155,7 +163,11 @@ mod tests {
             assert!((r / N as f64).abs() < limit, "lag {lag}");
         }
         // Squares would show a dependence that leaves the values uncorrelated.
-        let r: f64 = x.iter().zip(&x[1..]).map(|(a, b)| (a * a - 1.0) * (b * b - 1.0)).sum();
+        let r: f64 = x
+            .iter()
+            .zip(&x[1..])
+            .map(|(a, b)| (a * a - 1.0) * (b * b - 1.0))
+            .sum();
         assert!((r / N as f64).abs() < 2.0 * limit);
         let r: f64 = x.iter().zip(&y).map(|(a, b)| a * b).sum();
         assert!((r / N as f64).abs() < limit);

@@ -48,7 +48,11 @@ pub(super) fn mix(diff: &mut [i64], phase: u64, step: u64, re: &mut [f32], im: &
         let q = (sum.wrapping_sub(i64::from(i)) >> 32) as i32;
         let wave = table[nearest(phase)];
         phase = phase.wrapping_add(step);
-        (i as f32 * (1.0 / UNIT as f32), q as f32 * (1.0 / UNIT as f32), wave)
+        (
+            i as f32 * (1.0 / UNIT as f32),
+            q as f32 * (1.0 / UNIT as f32),
+            wave,
+        )
     };
     if im.is_empty() {
         for (d, re) in diff.iter_mut().zip(re) {
