@@ -66,5 +66,57 @@ class Synthesizer:
     def generate(self, start_sample: int, count: int) -> NDArray[np.uint8]: ...
 
 # acquisition
+class SearchPeak:
+    @property
+    def prn(self) -> int: ...
+    @property
+    def statistic(self) -> float: ...
+    @property
+    def cells(self) -> int: ...
+    @property
+    def doppler_hz(self) -> float: ...
+    @property
+    def code_delay_s(self) -> float: ...
+    @property
+    def cn0_dbhz(self) -> float: ...
+
+class Search:
+    def __new__(
+        cls,
+        signal: str,
+        raw: NDArray[np.uint8],
+        sample_format: str,
+        *,
+        sample_rate_hz: float,
+        if_hz: float,
+        blocks: int,
+        threads: int,
+        first: int = ...,
+        scale: float = ...,
+        conjugate: bool = ...,
+    ) -> Search: ...
+    def cancel(self, known: list[tuple[int, float, float]]) -> None: ...
+    def run(self, jobs: list[tuple[int, int, int]]) -> list[SearchPeak]: ...
+
+def search_peak_shape(signal: str, delays: list[float]) -> tuple[float, list[float]]: ...
 
 # tracking
+class Tracker:
+    def __new__(
+        cls,
+        sample_format: str,
+        sample_rate_hz: float,
+        lo_hz: float,
+        config_values: dict[str, Any],
+        targets: list[tuple[str, int, int, float, float]],
+        *,
+        conjugate: bool = False,
+        float_scale: float = 1.0,
+        start_sample: int = 0,
+        threads: int = 1,
+    ) -> Tracker: ...
+    def feed(self, raw: NDArray[np.uint8]) -> None: ...
+    def lost(self) -> list[tuple[str, int, float]]: ...
+    def restart(self, seed: tuple[str, int, int, float, float]) -> None: ...
+    def signals(self) -> list[dict[str, Any]]: ...
+    def combos(self) -> list[dict[str, Any]]: ...

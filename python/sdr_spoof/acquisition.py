@@ -1,9 +1,334 @@
-"""Acquisition: placeholder of the configuration until the stage is merged."""
+"""FFT search of a recording for satellites: what is there, with Doppler, code delay and C/N0.
 
-from pydantic import BaseModel, ConfigDict
+Each signal is searched over all its PRNs, the whole code period and the whole Doppler range.
+Where both signals of a BeiDou satellite are in the recording, B1I (1 ms code, cheap) is searched
+blind and B1C only near the Doppler of the satellites found, but over the whole code period: a
+spoofed B1C need not line up with B1I.
+
+Strong signals can exceed the threshold with other satellites' codes (cross-correlation, up to
+-21 dB for C/A). Detections are therefore confirmed in samples from which the much stronger ones
+have been taken out.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from . import _core
+from .acquisition_threshold import threshold
+from .errors import RecordingError, SignalError
+from .records import Acquisition
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Progress = Callable[[float, float], None]
+
+HANDOVER = {"B1CP": "B1I", "B1CD": "B1I"}
+"""Signal to the one that is searched in its stead first, where the recording holds both."""
+
+NOT_BY_DEFAULT = ("B1CD",)
+"""Searched only on demand: the pilot, on the same carrier, is 4.8 dB stronger."""
+
+_PRNS_AT_ONCE = 8
+_STRONG = 2.0
+"""A statistic of this many thresholds is beyond what cross-correlation makes of one's equals."""
+_CLOSE = 10**-1.2
+"""Cross-correlation (-21 dB at worst) cannot reach this share of the strongest statistic."""
 
 
 class AcquisitionConfig(BaseModel):
     """Settings of the FFT search."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+    pfa: float = Field(
+        1e-5,
+        gt=0,
+        lt=0.5,
+        description="false-alarm probability of the search for one PRN, over its whole grid of "
+        "code delay and Doppler; a recording has one such search per signal and PRN",
+    )
+    doppler_max_hz: float = Field(
+        5000.0, gt=0, le=100e3, description="largest Doppler searched, receiver offset included"
+    )
+    blocks_short: int = Field(
+        20,
+        ge=1,
+        le=1000,
+        description="non-coherent sums of one code period for codes of 1 ms (B1I, L1CA)",
+    )
+    blocks_long: int = Field(
+        5,
+        ge=1,
+        le=1000,
+        description="non-coherent sums of one code period for codes of 10 ms (B1C)",
+    )
+    handover: bool = Field(
+        True,
+        description="search B1C only near the Doppler of satellites found on B1I, where the "
+        "recording holds both; false searches both blind",
+    )
+    handover_doppler_hz: float = Field(
+        250.0, gt=0, description="half width of the Doppler range searched after a handover"
+    )
+
+
+class Source(Protocol):
+    """What acquisition needs of a recording (see sdr_spoof.sources.Recording)."""
+
+    @property
+    def format(self) -> Format:
+        """How samples are stored."""
+
+    @property
+    def sample_count(self) -> int:
+        """Whole samples."""
+
+    def read_raw(self, start: int, count: int) -> NDArray[np.uint8]:
+        """Bytes of ``count`` samples from ``start`` on."""
+
+    def check_signal(self, signal: str) -> None:
+        """Raise SignalError if the recording cannot hold the signal."""
+
+    def signals(self) -> list[str]:
+        """Signals that it can hold."""
+
+
+class Format(Protocol):
+    """What acquisition needs of a recording's format."""
+
+    @property
+    def sample_format(self) -> str:
+        """Name of the sample format."""
+
+    @property
+    def sample_rate_hz(self) -> float:
+        """Samples per second."""
+
+    @property
+    def lo_hz(self) -> float:
+        """Radio frequency at 0 Hz in the file."""
+
+    @property
+    def conjugate(self) -> bool:
+        """Whether the file holds I - jQ."""
+
+    @property
+    def float_scale(self) -> float:
+        """Factor of float formats."""
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """One signal's part of the search."""
+
+    signal: str
+    prns: tuple[int, ...]
+    blocks: int
+    bin_hz: float
+    period_s: float
+    carrier_hz: float
+
+
+def acquire(
+    recording: Source,
+    config: AcquisitionConfig,
+    *,
+    signals: Sequence[str] | None = None,
+    prns: Iterable[int] | None = None,
+    start_sample: int = 0,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> list[Acquisition]:
+    """Search a recording for satellites.
+
+    Args:
+        recording: where to read; only the samples searched are read.
+        config: settings.
+        signals: registry names; default: all that fit, but not ``NOT_BY_DEFAULT``.
+        prns: satellites; default: all that transmit the signal.
+        start_sample: where the search starts.
+        threads: default: one per processor. The result does not depend on it.
+        progress: called with (done, total).
+
+    Returns:
+        One record per search, in the order of signals and PRNs; see ``detected``. PRNs that a
+        handover left out are missing. C/N0 is that of the whole component (B1CP: all of QMBOC).
+
+    Raises:
+        SignalError: unknown signal, one that the recording cannot hold, or no PRN to search.
+        RecordingError: too short after ``start_sample``, or silent.
+    """
+    plans = [
+        _plan(recording, config, signal, prns, start_sample)
+        for signal in _ordered(recording, signals)
+    ]
+    total = float(sum(len(p.prns) for p in plans))
+    found: dict[str, list[Acquisition]] = {}
+    done = 0.0
+    for plan in plans:
+        ranges = _doppler_ranges(plan, config, found)
+        report = _offset(progress, done, total, len(plan.prns) / max(len(ranges), 1))
+        search = _SignalSearch(recording, plan, config, start_sample, threads or _processors())
+        found[plan.signal] = search.run(ranges, report) if ranges else []
+        done += len(plan.prns)
+    if progress is not None:
+        progress(total, total)
+    return [a for plan in plans for a in found[plan.signal]]
+
+
+def _processors() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _ordered(recording: Source, signals: Sequence[str] | None) -> list[str]:
+    """Signals to search, each after the one that hands over to it."""
+    if signals is None:
+        signals = [s for s in recording.signals() if s not in NOT_BY_DEFAULT]
+        if not signals:
+            raise SignalError(
+                "the recording holds no known signal; check its lo_hz and sample_rate_hz"
+            )
+    known = _core.signal_ids()
+    for signal in signals:
+        if signal not in known:
+            raise SignalError(f"unknown signal '{signal}'; known signals: {', '.join(known)}")
+        recording.check_signal(signal)
+    return sorted(dict.fromkeys(signals), key=lambda s: s in HANDOVER)
+
+
+def _plan(
+    recording: Source,
+    config: AcquisitionConfig,
+    signal: str,
+    prns: Iterable[int] | None,
+    start_sample: int,
+) -> _Plan:
+    spec = _core.signal_spec(signal)
+    wanted = None if prns is None else set(prns)
+    chosen = tuple(p for p in spec["prns"] if wanted is None or p in wanted)
+    if not chosen:
+        raise SignalError(f"none of the PRNs {sorted(wanted or ())} transmits {signal}")
+    period_s = spec["code_length"] / spec["chip_rate_hz"]
+    blocks = config.blocks_short if period_s < 5e-3 else config.blocks_long
+    rate = recording.format.sample_rate_hz
+    held = math.floor((recording.sample_count - start_sample) / rate / period_s + 1e-6) - 1
+    if held < 1:
+        raise RecordingError(
+            f"too short: {signal} needs {2e3 * period_s:g} ms after sample {start_sample}, the "
+            f"recording ends at sample {recording.sample_count} ({rate / 1e6:g} Msps)"
+        )
+    return _Plan(signal, chosen, min(blocks, held), 0.5 / period_s, period_s, spec["carrier_hz"])
+
+
+def _doppler_ranges(
+    plan: _Plan, config: AcquisitionConfig, found: dict[str, list[Acquisition]]
+) -> dict[int, tuple[int, int]]:
+    """Doppler bins of each PRN to search, both ends included."""
+    first = HANDOVER.get(plan.signal)
+    if not config.handover or first not in found:
+        reach = math.ceil(config.doppler_max_hz / plan.bin_hz)
+        return dict.fromkeys(plan.prns, (-reach, reach))
+    scale = plan.carrier_hz / _core.signal_spec(first)["carrier_hz"]
+    reach = math.ceil(config.handover_doppler_hz / plan.bin_hz)
+    middle = {a.prn: round(a.doppler_hz * scale / plan.bin_hz) for a in found[first] if a.detected}
+    return {p: (middle[p] - reach, middle[p] + reach) for p in plan.prns if p in middle}
+
+
+def _offset(
+    progress: Progress | None, done: float, total: float, weight: float
+) -> Callable[[int], None]:
+    def report(count: int) -> None:
+        if progress is not None:
+            progress(done + weight * count, total)
+
+    return report
+
+
+class _SignalSearch:
+    """Search for one signal of a recording."""
+
+    def __init__(
+        self,
+        recording: Source,
+        plan: _Plan,
+        config: AcquisitionConfig,
+        start_sample: int,
+        threads: int,
+    ) -> None:
+        self._plan, self._config, self._start = plan, config, start_sample
+        form = recording.format
+        # From a whole byte of any format, with samples to fill the filter.
+        begin = max(start_sample - 4096, 0) // 4 * 4
+        count = math.ceil((plan.blocks + 1) * plan.period_s * form.sample_rate_hz) + 4096
+        try:
+            self._search = _core.Search(
+                plan.signal,
+                recording.read_raw(begin, start_sample - begin + count),
+                form.sample_format,
+                sample_rate_hz=form.sample_rate_hz,
+                if_hz=plan.carrier_hz - form.lo_hz,
+                blocks=plan.blocks,
+                threads=threads,
+                first=start_sample - begin,
+                scale=form.float_scale,
+                conjugate=form.conjugate,
+            )
+        except ValueError as error:
+            raise RecordingError(f"{plan.signal}: {error}") from error
+        self._correlation = tuple(_core.search_peak_shape(plan.signal, [1.0, 2.0, 3.0])[1])
+
+    def run(
+        self, ranges: dict[int, tuple[int, int]], report: Callable[[int], None]
+    ) -> list[Acquisition]:
+        """Search the Doppler ranges of all PRNs, then confirm what cross-correlation may fake."""
+        jobs = [(prn, low, high) for prn, (low, high) in ranges.items()]
+        results: dict[int, Acquisition] = {}
+        for i in range(0, len(jobs), _PRNS_AT_ONCE):
+            report(i)
+            results |= self._searched(jobs[i : i + _PRNS_AT_ONCE])
+        sure: set[int] = set()
+        while True:
+            unsure = [a for a in results.values() if a.detected and a.prn not in sure]
+            top = max((a.statistic for a in unsure), default=0.0)
+            strong = [a for a in unsure if a.statistic > max(_STRONG * a.threshold, _CLOSE * top)]
+            if not strong or len(strong) == len(unsure):
+                return list(results.values())
+            sure |= {a.prn for a in strong}
+            self._search.cancel([(a.prn, a.doppler_hz, a.code_delay_s) for a in strong])
+            weak = [a.prn for a in unsure if a.prn not in sure]
+            results |= self._searched([(prn, *ranges[prn]) for prn in weak])
+
+    def _searched(self, jobs: list[tuple[int, int, int]]) -> dict[int, Acquisition]:
+        peaks = self._search.run(jobs)
+        return {
+            peak.prn: self._record(peak, high - low + 1)
+            for peak, (_, low, high) in zip(peaks, jobs, strict=True)
+        }
+
+    def _record(self, peak: _core.SearchPeak, bins: int) -> Acquisition:
+        plan = self._plan
+        level = threshold(
+            self._config.pfa, bins, peak.cells // bins, plan.blocks, self._correlation
+        )
+        return Acquisition(
+            signal=plan.signal,
+            prn=peak.prn,
+            detected=peak.statistic > level,
+            sample_index=self._start,
+            doppler_hz=peak.doppler_hz,
+            code_delay_s=peak.code_delay_s,
+            cn0_dbhz=peak.cn0_dbhz,
+            statistic=peak.statistic,
+            threshold=level,
+            doppler_bin_hz=plan.bin_hz,
+        )

@@ -121,6 +121,10 @@ class Alarm:
     statistic: float
     threshold: float
     unit: str
+    system: str = "C"
+    """RINEX system letter of the satellite."""
+    log10_p: float = 0.0
+    """log10 of the probability that noise alone reaches the statistic in one test, clipped."""
 
 
 @dataclass(frozen=True)
@@ -132,6 +136,8 @@ class SatelliteVerdict:
     """'clean', 'spoofed' or 'not enough support'."""
     alarms: tuple[Alarm, ...]
     reason: str
+    system: str = "C"
+    """RINEX system letter of the satellite."""
 
 
 @dataclass(frozen=True)

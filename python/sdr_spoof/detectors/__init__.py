@@ -1,9 +1,57 @@
-"""Detection: placeholder of the configuration until the stage is merged."""
+"""Detectors: statistics, each a number from physics with a known law under H0.
 
-from pydantic import BaseModel, ConfigDict
+A detector is one file and one line in :data:`DETECTORS`; whether a statistic means an alarm is
+for the rules of :mod:`sdr_spoof.decision` to say.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from sdr_spoof.detectors import phase_difference_rate
+from sdr_spoof.detectors.config import DetectionConfig
+from sdr_spoof.detectors.series import StatisticSeries
+from sdr_spoof.errors import ConfigError
+from sdr_spoof.records import TrackLog
+
+__all__ = ["DETECTORS", "DetectionConfig", "Detector", "StatisticSeries", "find"]
 
 
-class DetectionConfig(BaseModel):
-    """Settings of the detectors."""
+@dataclass(frozen=True)
+class Detector:
+    """A registered detector."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    name: str
+    title: str
+    tests: str
+    """What is tested, in words for the report."""
+    blind_to: str
+    """What it cannot see, in words for the report."""
+    statistics: Callable[[TrackLog, DetectionConfig], list[StatisticSeries]]
+
+
+DETECTORS: dict[str, Detector] = {
+    d.name: d
+    for d in (
+        Detector(
+            phase_difference_rate.NAME,
+            "Carrier phase difference rate",
+            "whether the carriers of the satellite's two bands still move together",
+            "a drag that moves the code but not the carrier; an attack on both bands that keeps "
+            "their carriers coherent; a capture that was complete before the recording began, or "
+            "during a loss of lock; drags slower than the threshold; satellites received in one "
+            "band only",
+            phase_difference_rate.statistics,
+        ),
+    )
+}
+"""Every detector, by name."""
+
+
+def find(name: str) -> Detector:
+    """The detector of that name; raises ConfigError that lists the known ones."""
+    if name not in DETECTORS:
+        known = ", ".join(DETECTORS)
+        raise ConfigError(f"unknown detector '{name}'; known detectors: {known}")
+    return DETECTORS[name]

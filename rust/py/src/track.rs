@@ -1,5 +1,171 @@
-use pyo3::prelude::*;
+//! The tracker: plain arguments in, dicts of arrays out.
 
-pub(crate) fn register(_m: &Bound<'_, PyModule>) -> PyResult<()> {
-    Ok(())
+use num_complex::Complex;
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use sdr_spoof_core::sample::SampleFormat;
+use sdr_spoof_core::track::channel::Channel;
+use sdr_spoof_core::track::config::TrackConfig;
+use sdr_spoof_core::track::engine::{Input, Target, Tracker as CoreTracker};
+use sdr_spoof_core::track::sideband::{Seed, Sideband};
+
+use crate::to_py;
+
+/// (signal, prn, sample, doppler_hz, code_delay_s)
+type TargetTuple = (String, u16, u64, f64, f64);
+
+fn target((signal, prn, sample, doppler_hz, code_delay_s): TargetTuple) -> Target {
+    Target {
+        signal,
+        prn,
+        seed: Seed {
+            sample,
+            doppler_hz,
+            code_delay_s,
+        },
+    }
+}
+
+/// Reads every field of the core's configuration from a dict.
+fn config(values: &Bound<'_, PyDict>) -> PyResult<TrackConfig> {
+    fn get<'py, T: FromPyObject<'py>>(values: &Bound<'py, PyDict>, key: &str) -> PyResult<T> {
+        values.as_any().get_item(key)?.extract()
+    }
+    Ok(TrackConfig {
+        pll_bandwidth_hz: get(values, "pll_bandwidth_hz")?,
+        pull_in_pll_bandwidth_hz: get(values, "pull_in_pll_bandwidth_hz")?,
+        fll_bandwidth_hz: get(values, "fll_bandwidth_hz")?,
+        dll_bandwidth_hz: get(values, "dll_bandwidth_hz")?,
+        main_bandwidth_hz: get(values, "main_bandwidth_hz")?,
+        subcarrier_bandwidth_hz: get(values, "subcarrier_bandwidth_hz")?,
+        integration_ms: get(values, "integration_ms")?,
+        cn0_min_dbhz: get(values, "cn0_min_dbhz")?,
+        qmboc: get(values, "qmboc")?,
+        combo: get(values, "combo")?,
+    })
+}
+
+/// Tracks any number of satellites through a recording fed in pieces of any length.
+#[pyclass]
+struct Tracker(CoreTracker);
+
+#[pymethods]
+impl Tracker {
+    #[new]
+    #[pyo3(signature = (sample_format, sample_rate_hz, lo_hz, config_values, targets, *,
+                        conjugate=false, float_scale=1.0, start_sample=0, threads=1))]
+    #[allow(clippy::too_many_arguments)]
+    fn new(
+        sample_format: &str,
+        sample_rate_hz: f64,
+        lo_hz: f64,
+        config_values: &Bound<'_, PyDict>,
+        targets: Vec<TargetTuple>,
+        conjugate: bool,
+        float_scale: f32,
+        start_sample: u64,
+        threads: usize,
+    ) -> PyResult<Self> {
+        let input = Input {
+            format: SampleFormat::parse(sample_format).map_err(to_py)?,
+            conjugate,
+            float_scale,
+            sample_rate_hz,
+            lo_hz,
+            start: start_sample,
+        };
+        let targets: Vec<Target> = targets.into_iter().map(target).collect();
+        CoreTracker::new(input, &config(config_values)?, &targets, threads)
+            .map(Tracker)
+            .map_err(to_py)
+    }
+
+    /// Absorbs raw bytes of whole samples.
+    fn feed(&mut self, py: Python<'_>, raw: PyReadonlyArray1<'_, u8>) -> PyResult<()> {
+        let bytes = raw.as_slice()?;
+        py.detach(|| self.0.feed(bytes));
+        Ok(())
+    }
+
+    /// Lost signals: (signal, prn, last Doppler in Hz).
+    fn lost(&self) -> Vec<(String, u16, f64)> {
+        self.0.lost()
+    }
+
+    /// Restarts a lost signal from a new acquisition.
+    fn restart(&mut self, seed: TargetTuple) -> PyResult<()> {
+        self.0.restart(&target(seed)).map_err(to_py)
+    }
+
+    /// Rows recorded so far: one dict per signal.
+    fn signals<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        let list = PyList::empty(py);
+        for channel in self.0.channels() {
+            for sideband in &channel.sidebands {
+                list.append(signal_rows(py, channel.prn, sideband)?)?;
+            }
+        }
+        Ok(list)
+    }
+
+    /// Rows recorded so far: one dict per satellite with two sidebands.
+    fn combos<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        let list = PyList::empty(py);
+        for channel in self.0.channels().iter().filter(|c| c.sidebands.len() == 2) {
+            list.append(combo_rows(py, channel)?)?;
+        }
+        Ok(list)
+    }
+}
+
+fn array<'py, T: numpy::Element + Clone>(py: Python<'py>, v: &[T]) -> Bound<'py, PyArray1<T>> {
+    v.to_vec().into_pyarray(py)
+}
+
+fn signal_rows<'py>(py: Python<'py>, prn: u16, s: &Sideband) -> PyResult<Bound<'py, PyDict>> {
+    let (d, rows) = (PyDict::new(py), &s.rows);
+    let offsets = s.tap_offsets_s();
+    d.set_item("signal", s.spec.id)?;
+    d.set_item("prn", prn)?;
+    d.set_item("prompt_tap", s.taps.prompt)?;
+    d.set_item("time_s", array(py, &rows.time_s))?;
+    d.set_item("integration_s", array(py, &rows.integration_s))?;
+    d.set_item("state", array(py, &rows.state))?;
+    d.set_item(
+        "carrier_phase_cycles",
+        array(py, &rows.carrier_phase_cycles),
+    )?;
+    d.set_item("doppler_hz", array(py, &rows.doppler_hz))?;
+    d.set_item("code_phase_chips", array(py, &rows.code_phase_chips))?;
+    d.set_item("cn0_dbhz", array(py, &rows.cn0_dbhz))?;
+    d.set_item("phase_lock", array(py, &rows.phase_lock))?;
+    let taps: Vec<Complex<f32>> = rows.taps.clone();
+    let taps = Array2::from_shape_vec((rows.time_s.len(), offsets.len()), taps)
+        .map_err(|e| pyo3::exceptions::PyRuntimeError::new_err(e.to_string()))?;
+    d.set_item("taps", taps.into_pyarray(py))?;
+    d.set_item("tap_offsets_s", offsets.into_pyarray(py))?;
+    Ok(d)
+}
+
+fn combo_rows<'py>(py: Python<'py>, channel: &Channel) -> PyResult<Bound<'py, PyDict>> {
+    let (d, rows) = (PyDict::new(py), &channel.combo);
+    d.set_item("prn", channel.prn)?;
+    d.set_item("lower", channel.sidebands[0].spec.id)?;
+    d.set_item("upper", channel.sidebands[1].spec.id)?;
+    d.set_item("time_s", array(py, &rows.time_s))?;
+    d.set_item("integration_s", array(py, &rows.integration_s))?;
+    d.set_item("state", array(py, &rows.state))?;
+    d.set_item("phase_lower_cycles", array(py, &rows.phase_lower_cycles))?;
+    d.set_item("phase_upper_cycles", array(py, &rows.phase_upper_cycles))?;
+    d.set_item("cn0_lower_dbhz", array(py, &rows.cn0_lower_dbhz))?;
+    d.set_item("cn0_upper_dbhz", array(py, &rows.cn0_upper_dbhz))?;
+    d.set_item("code_difference_s", array(py, &rows.code_difference_s))?;
+    d.set_item("subcarrier_lock", array(py, &rows.subcarrier_lock))?;
+    Ok(d)
+}
+
+pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
+    m.add_class::<Tracker>()
 }

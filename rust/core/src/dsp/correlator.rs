@@ -88,6 +88,11 @@ impl Replica {
         })
     }
 
+    /// Chips in a slice.
+    pub fn chips_per_slice(&self) -> u64 {
+        self.chips_per_slice
+    }
+
     /// Slices per code period.
     pub fn slices_per_period(&self) -> usize {
         self.slices.len()
@@ -197,18 +202,22 @@ impl Correlator {
         self.base as f64 + self.fraction as f64 / ONE
     }
 
-    /// Samples from the absolute index `origin` to the present slice's start, without the loss of
-    /// precision of large indices.
-    pub fn start_after(&self, origin: u64) -> f64 {
-        (self.base as i64 - origin as i64) as f64 + self.fraction as f64 / ONE
+    /// Fraction of a sample between [`Correlator::base`] and the present slice's start.
+    pub fn fraction(&self) -> f64 {
+        self.fraction as f64 / ONE
     }
 
-    /// Residual carrier phase at a sample offset from the present slice's first whole sample.
+    /// Samples per chip of the replica.
+    pub fn samples_per_chip(&self) -> f64 {
+        self.chip_step as f64 / ONE
+    }
+
+    /// Residual carrier phase at [`Correlator::base`], cycles, unwrapped.
     pub fn carrier_cycles(&self) -> f64 {
         self.carrier as f64 / nco::CYCLE
     }
 
-    /// Sample to which [`Correlator::carrier_cycles`] refers.
+    /// Whole sample at or before the present slice's start.
     pub fn base(&self) -> u64 {
         self.base
     }

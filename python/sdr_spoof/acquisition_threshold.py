@@ -1,0 +1,71 @@
+"""Detection threshold of the FFT search for a false-alarm probability over its whole grid.
+
+In noise a cell of the grid (power of K coherent integrations, in units of half the mean) follows
+the chi-square law of 2K degrees of freedom. The cells are not independent: the next delay cell
+shares the code's autocorrelation, the next Doppler cell sinc(1/2). Exceedances therefore come in
+clumps, and it is clumps that follow a Poisson law (D. Aldous, "Probability Approximations via the
+Poisson Clumping Heuristic", chapter A). The number of clumps expected is::
+
+    cells * P(X > u) * P(the next cells in delay do not exceed) * P(those in Doppler do not)
+
+A cell Y whose amplitude is correlated by rho with a cell X = x follows
+``Y / (1 - rho^2) ~ noncentral chi-square(2K, rho^2 x / (1 - rho^2))``; averaged over x > u.
+The probability over a recording with S searches is at most S times that of one search.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import roots_legendre
+from scipy.stats import chi2, ncx2
+
+DOPPLER_CORRELATION = (2 / np.pi,)
+"""Correlation of Doppler cells 1/(2T) apart: sinc(1/2). It is 0 for the next but one."""
+
+
+@lru_cache(maxsize=256)
+def threshold(
+    pfa: float, bins: int, lags: int, blocks: int, delay_correlation: tuple[float, ...]
+) -> float:
+    """Threshold that noise exceeds anywhere in a grid with probability ``pfa``.
+
+    Args:
+        pfa: false-alarm probability of one search (one PRN), in (0, 1).
+        bins: Doppler bins, 1/(2T) apart.
+        lags: delay cells; the delay wraps.
+        blocks: non-coherent sums K.
+        delay_correlation: amplitude correlation with the 1st, 2nd ... next delay cell.
+    """
+    wanted = np.log(-np.log1p(-pfa))
+    single = chi2.isf(pfa, 2 * blocks)
+    union = chi2.isf(pfa / (bins * lags) / 2, 2 * blocks)
+
+    def excess(level: float) -> float:
+        return float(np.log(expected_clumps(level, bins, lags, blocks, delay_correlation)) - wanted)
+
+    return float(brentq(excess, single, union, xtol=1e-6))
+
+
+def expected_clumps(
+    level: float, bins: int, lags: int, blocks: int, delay_correlation: tuple[float, ...]
+) -> float:
+    """Expected number of clumps of cells above ``level`` in noise; arguments as above."""
+    delay_free = _none_follows(level, blocks, delay_correlation)
+    doppler_free = _none_follows(level, blocks, DOPPLER_CORRELATION)
+    cells = lags * delay_free * (1 + (bins - 1) * doppler_free)
+    return float(cells * chi2.sf(level, 2 * blocks))
+
+
+def _none_follows(level: float, blocks: int, correlation: tuple[float, ...]) -> float:
+    """Probability that no following cell exceeds ``level``, given that one does."""
+    nodes, weights = roots_legendre(12)
+    share = (nodes + 1) / 2
+    above = chi2.isf(chi2.sf(level, 2 * blocks) * share, 2 * blocks)
+    below = np.ones_like(above)
+    for rho in correlation:
+        rest = 1 - rho**2
+        below *= ncx2.cdf(level / rest, 2 * blocks, rho**2 * above / rest)
+    return float(np.sum(weights * below) / 2)

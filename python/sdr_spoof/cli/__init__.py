@@ -1,0 +1,95 @@
+"""The command line: ``sdr-spoof COMMAND``; one module per command.
+
+Every command takes ``--json`` and then prints one JSON object on stdout and nothing else there;
+messages and progress go to stderr. Exit codes: 0 done, 1 failed, 2 wrong usage or configuration,
+130 interrupted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from typing import TYPE_CHECKING
+
+from pydantic import ValidationError
+
+from sdr_spoof.errors import ConfigError, SdrSpoofError
+
+from . import acquire, bench, demo, info, process, synth, track
+from .command import INTERRUPTED, Command, Outcome, to_plain
+from .ui import Ui
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ["main"]
+
+COMMANDS: tuple[Command, ...] = (
+    synth.COMMAND,
+    info.COMMAND,
+    acquire.COMMAND,
+    track.COMMAND,
+    process.COMMAND,
+    demo.COMMAND,
+    bench.COMMAND,
+)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit code and never raises for a user's mistake."""
+    arguments = _parser().parse_args(argv)
+    ui = Ui(json_mode=arguments.json, progress=arguments.progress)
+    try:
+        outcome: Outcome = arguments.command.run(arguments, ui)
+        if arguments.json:
+            print(json.dumps(to_plain(outcome.data), allow_nan=False))
+        else:
+            outcome.render(ui.out)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # The reader of our output went away: silence the interpreter's own flush at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except KeyboardInterrupt:
+        return _fail(ui, "interrupted", INTERRUPTED)
+    except (SdrSpoofError, ValidationError, OSError, MemoryError) as error:
+        wrong_usage = isinstance(error, ConfigError | ValidationError)
+        return _fail(ui, _message(error), 2 if wrong_usage else 1)
+    return outcome.exit_code
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="sdr-spoof",
+        description="A software-defined GNSS receiver that can tell when it is being lied to.",
+        allow_abbrev=False,
+    )
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    for command in COMMANDS:
+        sub = commands.add_parser(
+            command.name,
+            help=command.summary,
+            description=command.details or command.summary,
+            allow_abbrev=False,
+        )
+        command.configure(sub)
+        output = sub.add_argument_group("output")
+        output.add_argument("--json", action="store_true", help="print one JSON object on stdout")
+        output.add_argument(
+            "--progress", action="store_true", help="show progress even if stderr is no terminal"
+        )
+        sub.set_defaults(command=command)
+    return parser
+
+
+def _fail(ui: Ui, message: str, code: int) -> int:
+    ui.err.print(f"sdr-spoof: {message}", style="bold red", markup=False, highlight=False)
+    return code
+
+
+def _message(error: BaseException) -> str:
+    if isinstance(error, MemoryError):
+        return "out of memory"
+    return str(error) or type(error).__name__

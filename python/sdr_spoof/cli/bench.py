@@ -1,0 +1,45 @@
+"""``sdr-spoof bench``: how fast this machine synthesises, acquires and tracks."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from . import tables
+from .command import Command, Outcome
+
+if TYPE_CHECKING:
+    import argparse
+
+    from rich.console import Console
+
+    from .ui import Ui
+
+
+def _configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--repeats", type=int, default=5, metavar="N", help="runs of each measurement (default: 5)"
+    )
+
+
+def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
+    from sdr_spoof.bench import run  # noqa: PLC0415
+
+    with ui.stages("Measuring") as progress:
+        measurements = run(repeats=arguments.repeats, progress=progress)
+
+    def render(console: Console) -> None:
+        made = tables.table(
+            "Speed, Msamples/s: median (lowest to highest)",
+            *("stage", "threads", "channels", "total", "per channel and core"),
+            left=["stage"],
+        )
+        for m in measurements:
+            spread = f"{m.median_msps:.1f} ({m.lowest_msps:.1f} to {m.highest_msps:.1f})"
+            per = f"{m.per_channel_core_msps:.1f}"
+            made.add_row(m.stage, str(m.threads), str(m.channels), spread, per)
+        console.print(made)
+
+    return Outcome({"measurements": measurements}, render)
+
+
+COMMAND = Command("bench", "measure the speed of each stage on this machine", _configure, _run)

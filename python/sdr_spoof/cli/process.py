@@ -1,0 +1,78 @@
+"""``sdr-spoof process``: from a recording to a verdict and a report."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from sdr_spoof import config
+
+from . import options, tables
+from .command import INTERRUPTED, Command, Outcome
+
+if TYPE_CHECKING:
+    import argparse
+
+    from rich.console import Console
+
+    from sdr_spoof.pipeline import Processed
+
+    from .ui import Ui
+
+
+def _configure(parser: argparse.ArgumentParser) -> None:
+    options.add_recording(parser)
+    options.add_selection(parser)
+    options.add_output(parser, "folder for report.html and result.h5 (default: out/<recording>)")
+    options.add_threads(parser)
+    config.add_flags(parser, ["acquisition", "tracking", "detection"])
+
+
+def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
+    from sdr_spoof.pipeline import process  # noqa: PLC0415
+
+    settings = config.from_arguments(arguments)
+    recording = options.recording_from(arguments)
+    processed = process(
+        recording,
+        settings,
+        out=arguments.output or Path("out") / recording.path.stem,
+        signals=options.signals_from(arguments, recording),
+        prns=options.prns_from(arguments),
+        threads=arguments.threads,
+        force=arguments.force,
+        stages=ui.stages,
+    )
+    return outcome(processed, ui)
+
+
+def outcome(processed: Processed, ui: Ui, **more: Any) -> Outcome:
+    """Outcome of a processed recording, shared by ``process`` and ``demo``."""
+    if processed.log.partial:
+        ui.note(f"interrupted: the results are partial, up to {processed.log.duration_s:.3f} s")
+    data = {
+        "recording": processed.recording.path,
+        "format": processed.recording.format,
+        "config": processed.config,
+        "partial": processed.log.partial,
+        "duration_s": processed.log.duration_s,
+        "acquisitions": processed.acquisitions,
+        "verdict": processed.verdict,
+        "result": processed.result_path,
+        "report": processed.report_path,
+    }
+
+    def render(console: Console) -> None:
+        console.print(tables.acquisitions(processed.acquisitions))
+        console.print(tables.tracks(processed.log.signals))
+        console.print(tables.verdict(processed.verdict))
+        console.print(tables.headline(processed.verdict))
+        console.print(f"Report: {processed.report_path}", highlight=False, soft_wrap=True)
+        console.print(f"Result: {processed.result_path}", highlight=False, soft_wrap=True)
+
+    return Outcome(data | more, render, INTERRUPTED if processed.log.partial else 0)
+
+
+COMMAND = Command(
+    "process", "acquire, track, detect spoofing, and write a report", _configure, _run
+)

@@ -1,0 +1,46 @@
+"""``sdr-spoof synth``: a scenario to a recording."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from . import options
+from .command import Command, Outcome
+
+if TYPE_CHECKING:
+    import argparse
+
+    from rich.console import Console
+
+    from .ui import Ui
+
+
+def _configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scenario", type=Path, metavar="SCENARIO.toml", help="what is transmitted")
+    options.add_output(
+        parser, "recording to write: <PATH>.sigmf-data, -meta and .truth.json", required=True
+    )
+    options.add_threads(parser)
+
+
+def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
+    from sdr_spoof.scenario import load_scenario, synthesize  # noqa: PLC0415
+
+    scenario = load_scenario(arguments.scenario)
+    with ui.stages("Synthesising") as progress:
+        meta = synthesize(
+            scenario,
+            arguments.output,
+            threads=arguments.threads,
+            force=arguments.force,
+            progress=progress,
+        )
+
+    def render(console: Console) -> None:
+        console.print(f"Recording written: {meta}", highlight=False)
+
+    return Outcome({"recording": meta}, render)
+
+
+COMMAND = Command("synth", "synthesise a recording from a scenario file", _configure, _run)

@@ -1,0 +1,117 @@
+"""Tables of records for the terminal."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+from sdr_spoof.records import State
+from sdr_spoof.signals import signal_spec
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from sdr_spoof.pipeline import TruthComparison
+    from sdr_spoof.records import Acquisition, Alarm, SignalTrack, Verdict
+
+
+def table(title: str, *columns: str, left: Sequence[str] = ()) -> Table:
+    """Build an empty table; numbers go to the right, columns named in ``left`` to the left."""
+    made = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", title_style="bold")
+    for column in columns:
+        made.add_column(column, justify="left" if column in left else "right")
+    return made
+
+
+def acquisitions(found: Sequence[Acquisition]) -> Table:
+    """One row per detected signal; code phase in chips at the sample of the estimate."""
+    made = table(
+        "Acquired signals",
+        *("signal", "PRN", "C/N0 dB-Hz", "Doppler Hz", "delay chips", "statistic", "threshold"),
+        left=["signal"],
+    )
+    for a in found:
+        if a.detected:
+            chips = a.code_delay_s * signal_spec(a.signal).chip_rate_hz
+            made.add_row(
+                *(a.signal, str(a.prn), f"{a.cn0_dbhz:.1f}", f"{a.doppler_hz:+.1f}"),
+                *(f"{chips:.2f}", f"{a.statistic:.1f}", f"{a.threshold:.1f}"),
+            )
+    return made
+
+
+def tracks(signals: Sequence[SignalTrack]) -> Table:
+    """One row per tracked signal, its state and estimates at the end."""
+    made = table(
+        "Tracked signals",
+        *("signal", "PRN", "epochs", "until s", "C/N0 dB-Hz", "Doppler Hz", "lock", "state"),
+        left=["signal", "state"],
+    )
+    for t in signals:
+        made.add_row(*_track_row(t))
+    return made
+
+
+def _track_row(track: SignalTrack) -> tuple[str, ...]:
+    head = (track.signal, str(track.prn), str(track.time_s.size))
+    if not track.time_s.size:
+        return (*head, "-", "-", "-", "-", "-")
+    return (
+        *head,
+        f"{track.time_s[-1]:.3f}",
+        f"{track.cn0_dbhz[-1]:.1f}",
+        f"{track.doppler_hz[-1]:+.1f}",
+        f"{track.phase_lock[-1]:.2f}",
+        State(int(track.state[-1])).name.lower(),
+    )
+
+
+def verdict(found: Verdict) -> Table:
+    """One row per satellite, with its alarms."""
+    made = table(
+        "Verdict",
+        *("PRN", "verdict", "band", "detector", "onset s", "alarm s", "statistic", "threshold"),
+        left=["verdict", "band", "detector"],
+    )
+    for satellite in found.satellites:
+        style = "bold red" if satellite.alarms else None
+        head = (str(satellite.prn), satellite.verdict)
+        for alarm in satellite.alarms or (None,):
+            made.add_row(*head, *_alarm_cells(alarm), style=style)
+            head = ("", "")
+    return made
+
+
+def _alarm_cells(alarm: Alarm | None) -> tuple[str, ...]:
+    if alarm is None:
+        return ("-",) * 6
+    return (
+        *(alarm.band or "cannot tell", alarm.detector),
+        *(f"{alarm.onset_s:.2f}", f"{alarm.alarm_s:.2f}"),
+        *(f"{alarm.statistic:.3g} {alarm.unit}", f"{alarm.threshold:.3g} {alarm.unit}"),
+    )
+
+
+def headline(found: Verdict) -> Text:
+    """The verdict in one line."""
+    spoofed = [s.prn for s in found.satellites if s.alarms]
+    if not found.spoofed:
+        return Text("No spoofing detected. " + found.limits, style="bold green")
+    prns = ", ".join(map(str, spoofed))
+    return Text(f"SPOOFING DETECTED on PRN {prns}. {found.limits}", style="bold red")
+
+
+def truth(comparison: Sequence[TruthComparison]) -> Table:
+    """What was synthesised against what was found, one row per satellite."""
+    made = table(
+        "Against the truth",
+        *("PRN", "truth", "verdict", "true onset s", "found onset s"),
+        left=["truth", "verdict"],
+    )
+    for c in comparison:
+        onsets = ("-" if s is None else f"{s:.2f}" for s in (c.true_onset_s, c.found_onset_s))
+        made.add_row(str(c.prn), c.truth, c.verdict, *onsets)
+    return made

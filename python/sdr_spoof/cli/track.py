@@ -1,0 +1,96 @@
+"""``sdr-spoof track``: follow code and carrier of what acquisition found."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from sdr_spoof import config
+from sdr_spoof.records import State
+
+from . import options, tables
+from .command import INTERRUPTED, Command, Outcome
+
+if TYPE_CHECKING:
+    import argparse
+
+    from rich.console import Console
+
+    from sdr_spoof.records import SignalTrack
+
+    from .ui import Ui
+
+
+def _configure(parser: argparse.ArgumentParser) -> None:
+    options.add_recording(parser)
+    options.add_selection(parser)
+    options.add_output(parser, "HDF5 file for the result")
+    options.add_threads(parser)
+    config.add_flags(parser, ["acquisition", "tracking"])
+
+
+def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
+    from sdr_spoof.acquisition import acquire  # noqa: PLC0415
+    from sdr_spoof.sinks.hdf5 import Result, write_result  # noqa: PLC0415
+    from sdr_spoof.tracking import track  # noqa: PLC0415
+
+    settings = config.from_arguments(arguments)
+    options.check_output(arguments.output, force=arguments.force)
+    recording = options.recording_from(arguments)
+    threads = arguments.threads
+    with ui.stages("Acquiring") as progress:
+        found = acquire(
+            recording,
+            settings.acquisition,
+            signals=options.signals_from(arguments, recording),
+            prns=options.prns_from(arguments),
+            threads=threads,
+            progress=progress,
+        )
+    detected = [a for a in found if a.detected]
+    with ui.stages("Tracking") as progress:
+        log = track(recording, detected, settings.tracking, threads=threads, progress=progress)
+    if arguments.output is not None:
+        result = Result.of(recording, settings, acquisitions=found, log=log)
+        write_result(arguments.output, result, force=arguments.force)
+    if log.partial:
+        ui.note(f"interrupted: the results are partial, up to {log.duration_s:.3f} s")
+
+    def render(console: Console) -> None:
+        console.print(tables.tracks(log.signals))
+        console.print(f"{log.duration_s:.3f} s of signal tracked.", highlight=False)
+
+    data = {
+        "recording": recording.path,
+        "format": recording.format,
+        "config": settings,
+        "acquisitions": found,
+        "duration_s": log.duration_s,
+        "partial": log.partial,
+        "tracks": [_summary(t) for t in log.signals],
+        "combos": [{"prn": c.prn, "epochs": c.time_s.size} for c in log.combos],
+        "output": arguments.output,
+    }
+    return Outcome(data, render, INTERRUPTED if log.partial else 0)
+
+
+def _summary(track: SignalTrack) -> dict[str, Any]:
+    """The track's last epoch; the whole of it is in the HDF5 file."""
+    summary: dict[str, Any] = {
+        "signal": track.signal,
+        "prn": track.prn,
+        "epochs": track.time_s.size,
+    }
+    if track.time_s.size:
+        summary |= {
+            "time_s": track.time_s[-1],
+            "state": State(int(track.state[-1])),
+            "cn0_dbhz": track.cn0_dbhz[-1],
+            "doppler_hz": track.doppler_hz[-1],
+            "code_phase_chips": track.code_phase_chips[-1],
+            "carrier_phase_cycles": track.carrier_phase_cycles[-1],
+            "phase_lock": track.phase_lock[-1],
+        }
+    return summary
+
+
+COMMAND = Command("track", "acquire, then track code and carrier", _configure, _run)

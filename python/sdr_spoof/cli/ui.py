@@ -1,0 +1,55 @@
+"""Consoles and progress bars: results on stdout, everything else on stderr."""
+
+from __future__ import annotations
+
+import sys
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from sdr_spoof.progress import silent
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from contextlib import AbstractContextManager
+
+    from sdr_spoof.progress import Progress as ProgressCallback
+
+_WIDTH = 100
+"""Columns where the output is no terminal, so that tables are not cut."""
+
+
+class Ui:
+    """Where a command prints."""
+
+    def __init__(self, *, json_mode: bool = False, progress: bool = False) -> None:
+        """Progress is shown on a terminal, or wherever stderr goes if ``progress`` is set."""
+        self.json_mode = json_mode
+        self.out = Console(file=sys.stdout, width=None if sys.stdout.isatty() else _WIDTH)
+        self.err = Console(file=sys.stderr, soft_wrap=True)
+        self._show = progress or sys.stderr.isatty()
+        self._forced = progress
+
+    def note(self, text: str) -> None:
+        """Print a line on stderr."""
+        self.err.print(text, highlight=False, markup=False)
+
+    def stages(self, label: str) -> AbstractContextManager[ProgressCallback | None]:
+        """Show a bar for one stage; a :data:`sdr_spoof.progress.Stages`."""
+        return self._bar(label) if self._show else silent(label)
+
+    @contextmanager
+    def _bar(self, label: str) -> Iterator[ProgressCallback]:
+        columns = (
+            TextColumn("{task.description:<14}"),
+            BarColumn(),
+            TextColumn("{task.percentage:>3.0f} %"),
+            TimeElapsedColumn(),
+            TimeRemainingColumn(),
+        )
+        console = Console(file=sys.stderr, force_terminal=self._forced or None)
+        with Progress(*columns, console=console) as bars:
+            task = bars.add_task(label, total=1.0)
+            yield lambda done, total: bars.update(task, completed=done, total=total)

@@ -1,0 +1,73 @@
+"""Onset of a disturbance: the maximum-likelihood change point of the trace before the alarm.
+
+Model: a line before the change, and after it a parabola that may start with a jump (a capture
+jumps, a drag then accelerates or beats). The noise is white and Gaussian, so the most likely
+change minimises the sum of squared residuals of both fits.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sdr_spoof.detectors.series import StatisticSeries
+
+MIN_BEFORE = 10
+"""Fewest rows that fix the line before the change."""
+MIN_AFTER = 4
+"""Fewest rows after the change: one more than the parabola's parameters."""
+
+
+def onset_time(series: StatisticSeries, row: int, lookback_s: float) -> float:
+    """Most likely start of the deviation that raised the alarm at ``row``, in s.
+
+    Searched from ``lookback_s`` before the alarm's window to the alarm, inside the alarm's
+    unbroken piece of tracking.
+    """
+    alarm_s = float(series.time_s[row])
+    start_s = alarm_s - series.window_s - lookback_s
+    inside = (
+        (series.trace_segment == series.segment[row])
+        & (series.trace_time_s >= start_s)
+        & (series.trace_time_s <= alarm_s)
+    )
+    time, trace = series.trace_time_s[inside], series.trace[inside]
+    if time.size < MIN_BEFORE + MIN_AFTER:
+        return max(alarm_s - series.window_s, 0.0)
+    change = change_point(time - time[0], trace - trace[0])
+    # The change lies between the last quiet epoch and the first disturbed one.
+    return float(0.5 * (time[change - 1] + time[change]))
+
+
+def change_point(time_s: NDArray[np.float64], values: NDArray[np.float64]) -> int:
+    """First row after the change, of the least-squares line + parabola; O(N)."""
+    candidates = np.arange(MIN_BEFORE, time_s.size - MIN_AFTER + 1)
+    scale = float(time_s[-1])
+    x = time_s / scale
+    before = _growing_rss(x, values, 2)
+    after = _growing_rss(1.0 - x[::-1], values[::-1], 3)[::-1]
+    total = before[candidates - 1] + after[candidates]
+    return int(candidates[np.argmin(total)])
+
+
+def _growing_rss(
+    x: NDArray[np.float64], y: NDArray[np.float64], parameters: int
+) -> NDArray[np.float64]:
+    """Residual sum of squares of a polynomial fit to rows [0, k], for every k; shape (N,).
+
+    Recursive least squares: each row adds its squared innovation over 1 + leverage.
+    """
+    covariance = np.eye(parameters) * 1e8
+    solution = np.zeros(parameters)
+    design = np.vander(x, parameters)
+    rss = np.empty(x.size)
+    total = 0.0
+    for k, (row, value) in enumerate(zip(design, y, strict=True)):
+        gain = covariance @ row
+        spread = 1.0 + float(row @ gain)
+        innovation = float(value - row @ solution)
+        total += innovation**2 / spread
+        solution = solution + gain * (innovation / spread)
+        covariance = covariance - np.outer(gain, gain) / spread
+        rss[k] = total
+    return rss

@@ -1,0 +1,62 @@
+"""Configuration of the detection stage."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class DetectionConfig(BaseModel):
+    """What is tested, how often noise may raise an alarm, and what counts as support."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    detectors: tuple[str, ...] = Field(
+        ("phase_difference_rate",), min_length=1, description="Detectors to run, by registry name."
+    )
+    rule: str = Field("threshold", description="Decision rule, by registry name.")
+    false_alarm_probability: float = Field(
+        1e-6,
+        gt=0.0,
+        lt=0.5,
+        description="Probability that noise alone crosses the two-sided threshold in one test.",
+    )
+    threshold_model: Literal["published", "thermal"] = Field(
+        "published",
+        description="Law that sets the threshold: 'published' (loop jitter of the combo-signal "
+        "paper, conservative) or 'thermal' (noise of this receiver's own statistic, sharper).",
+    )
+    window_s: float = Field(
+        1.0, ge=0.1, le=60.0, description="Window of the phase-difference slope, in s."
+    )
+    published_integration_s: float = Field(
+        0.1, gt=0.0, description="Coherent integration time in the published law, in s."
+    )
+    published_loop_bandwidth_hz: float = Field(
+        1.0, gt=0.0, description="Loop noise bandwidth in the published law, in Hz."
+    )
+    published_fll_factor: Literal[1, 2] = Field(
+        1, description="Factor F of the published law: 1 at high C/N0, 2 near threshold."
+    )
+    min_cn0_dbhz: float = Field(
+        28.0,
+        description="Windows in which either band has less C/N0 are not tested, in dB-Hz.",
+    )
+    settle_s: float = Field(
+        0.5, ge=0.0, description="Left out after each (re)lock while the loops settle, in s."
+    )
+    min_tested_s: float = Field(
+        2.0,
+        ge=0.0,
+        description="Tested time below which a quiet satellite is called "
+        "'not enough support' instead of 'clean', in s.",
+    )
+    onset_lookback_s: float = Field(
+        5.0, gt=0.0, description="How far before the alarm the onset is searched, in s."
+    )
+    attribution_fit_s: float = Field(
+        2.0,
+        gt=0.1,
+        description="Signal before the onset from which each band's carrier is extrapolated, in s.",
+    )

@@ -1,0 +1,61 @@
+"""What a detector hands to a decision rule: a statistic with its law under H0."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import norm
+
+LOG10_P_FLOOR = -30.0
+"""Significance is clipped here: no noise model is trusted further into its tail."""
+
+
+@dataclass(frozen=True)
+class StatisticSeries:
+    """One detector's statistic on one satellite; H0: value ~ N(0, sigma^2).
+
+    Rows are tests, N in all; ``time_s`` is the *end* of the signal that a row has used. The trace
+    is the measurement under the statistic, M rows, in which a rule may look for the onset.
+    """
+
+    detector: str
+    system: str
+    prn: int
+    unit: str
+    time_s: NDArray[np.float64]
+    value: NDArray[np.float64]
+    sigma: NDArray[np.float64]
+    """Standard deviation under H0 of the law that sets the threshold, shape (N,)."""
+    sigma_thermal: NDArray[np.float64]
+    """Standard deviation of the statistic from thermal noise alone, shape (N,)."""
+    segment: NDArray[np.int64]
+    """Number of the unbroken piece of tracking that a row lies in, shape (N,)."""
+    window_s: float
+    trace_time_s: NDArray[np.float64]
+    trace: NDArray[np.float64]
+    trace_unit: str
+    trace_segment: NDArray[np.int64]
+    """Piece of tracking of each trace row, -1 where the row is not used, shape (M,)."""
+    notes: tuple[str, ...]
+    """In words: what limited the support, what was repaired."""
+
+    def tested_s(self) -> float:
+        """Length of signal that entered at least one test, in s."""
+        total = 0.0
+        for number in np.unique(self.segment):
+            times = self.time_s[self.segment == number]
+            steps = np.diff(times)
+            total += self.window_s + float(np.minimum(steps, self.window_s).sum())
+        return total
+
+    def threshold(self, pfa: float) -> NDArray[np.float64]:
+        """Two-sided threshold at a false-alarm probability per test, shape (N,)."""
+        return np.asarray(self.sigma * float(norm.isf(pfa / 2.0)))
+
+    def log10_p(self, row: int) -> float:
+        """log10 of the two-sided H0 probability of a row, clipped at LOG10_P_FLOOR."""
+        z = abs(float(self.value[row])) / float(self.sigma[row])
+        log10_p = (float(norm.logsf(z)) + np.log(2.0)) / np.log(10.0)
+        return float(np.clip(log10_p, LOG10_P_FLOOR, 0.0))

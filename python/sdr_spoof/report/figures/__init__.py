@@ -1,0 +1,1 @@
+"""Figures of the report: each module draws one thing and returns a PNG data URI."""

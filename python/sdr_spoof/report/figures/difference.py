@@ -1,0 +1,164 @@
+"""The key figure: phase difference above, its rate with threshold, onset and alarm below."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter
+
+from sdr_spoof.detectors import DetectionConfig, StatisticSeries
+from sdr_spoof.records import Alarm
+from sdr_spoof.report.figures import style
+from sdr_spoof.report.words import satellite_name
+
+
+@dataclass(frozen=True)
+class TruthMark:
+    """Known start of an attack, drawn where a truth sidecar is given."""
+
+    onset_s: float
+    system: str = "C"
+    prn: int | None = None
+    label: str = "true onset"
+
+
+def draw_difference(
+    series: StatisticSeries,
+    config: DetectionConfig,
+    alarm: Alarm | None,
+    truth: TruthMark | None = None,
+) -> str:
+    """Whole recording on the left; with an alarm, a close-up of the onset on the right."""
+
+    def draw(figure: Figure) -> None:
+        if alarm is None:
+            panels = figure.subplots(2, 1, sharex=True, squeeze=False)
+        else:
+            panels = figure.subplots(
+                2, 2, sharex="col", gridspec_kw={"width_ratios": [1.7, 1]}, squeeze=False
+            )
+        for column in panels.T:
+            _trace(column[0], series, alarm)
+            _rate(column[1], series, config)
+            for axes in column:
+                _marks(axes, alarm, truth)
+        panels[0, 0].set_ylabel("Phase difference\n(cycles)")
+        panels[1, 0].set_ylabel("Rate of the difference\n(Hz)")
+        panels[0, 0].set_title("Scaled carrier-phase difference, upper minus lower band")
+        panels[1, 0].set_title(f"Its rate over {series.window_s:g} s, with the alarm threshold")
+        if alarm is not None:
+            _close_up(panels[0, 1], panels[1, 1], series, alarm)
+        _legend(figure, panels[1, 0], alarm, truth)
+
+    return style.render(draw, 10.0, 4.8)
+
+
+def _origin(series: StatisticSeries, alarm: Alarm | None) -> float:
+    quiet = series.trace_segment >= 0
+    if alarm is not None:
+        quiet &= series.trace_time_s < alarm.onset_s
+    return float(np.median(series.trace[quiet])) if quiet.any() else 0.0
+
+
+def _trace(axes: Axes, series: StatisticSeries, alarm: Alarm | None) -> None:
+    used = series.trace_segment >= 0
+    values = np.where(used, series.trace - _origin(series, alarm), np.nan)
+    axes.plot(series.trace_time_s, values, color=style.INK, linewidth=0.9)
+
+
+def _rate(axes: Axes, series: StatisticSeries, config: DetectionConfig) -> None:
+    threshold = series.threshold(config.false_alarm_probability)
+    time, value, limit = _broken(series, threshold)
+    peak = float(np.max(np.abs(series.value), initial=0.0))
+    axes.fill_between(time, -limit, limit, color="#009e73", alpha=0.13, linewidth=0)
+    for sign in (-1, 1):
+        axes.plot(time, sign * limit, color="#00755a", linewidth=1.0, linestyle=(0, (4, 2)))
+    axes.plot(time, value, color=style.INK, linewidth=1.2)
+    typical = float(np.median(threshold)) if threshold.size else 0.1
+    if peak > 8 * typical:
+        axes.set_yscale("symlog", linthresh=2 * typical, linscale=0.9)
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
+    axes.set_xlabel("Time (s)")
+
+
+def _broken(
+    series: StatisticSeries, threshold: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows with a NaN between pieces and across untested stretches, so that lines break."""
+    step = np.diff(series.time_s)
+    usual = float(np.median(step)) if step.size else 0.0
+    cuts = np.flatnonzero((np.diff(series.segment) != 0) | (step > 1.5 * usual)) + 1
+    return tuple(  # type: ignore[return-value]
+        np.insert(column, cuts, np.nan) for column in (series.time_s, series.value, threshold)
+    )
+
+
+def _marks(axes: Axes, alarm: Alarm | None, truth: TruthMark | None) -> None:
+    if alarm is not None:
+        axes.axvline(alarm.onset_s, color=style.ALARM, linewidth=1.6)
+        axes.axvline(alarm.alarm_s, color=style.ALARM, linewidth=1.3, linestyle=(0, (2, 2)))
+    if truth is not None:
+        axes.axvline(truth.onset_s, color=style.TRUTH, linewidth=1.3, linestyle=(0, (5, 3)))
+
+
+def _legend(figure: Figure, axes: Axes, alarm: Alarm | None, truth: TruthMark | None) -> None:
+    handles = list(axes.get_lines()[1:2])
+    names = ["threshold"]
+    if alarm is not None:
+        handles += [
+            Line2D([], [], color=style.ALARM, linewidth=1.6),
+            Line2D([], [], color=style.ALARM, linewidth=1.3, linestyle=(0, (2, 2))),
+        ]
+        names += [f"estimated onset {alarm.onset_s:.2f} s", f"alarm {alarm.alarm_s:.2f} s"]
+    if truth is not None:
+        handles.append(Line2D([], [], color=style.TRUTH, linewidth=1.3, linestyle=(0, (5, 3))))
+        names.append(f"{truth.label} {truth.onset_s:.2f} s")
+    figure.legend(handles, names, loc="outside lower center", ncols=4)
+
+
+def _close_up(top: Axes, bottom: Axes, series: StatisticSeries, alarm: Alarm) -> None:
+    start = alarm.onset_s - max(1.0, series.window_s)
+    stop = alarm.alarm_s + max(0.5, 0.5 * series.window_s)
+    bottom.set_xlim(start, stop)
+    near = (series.trace_time_s >= start) & (series.trace_time_s <= stop)
+    near &= series.trace_segment >= 0
+    values = series.trace[near] - _origin(series, alarm)
+    if values.size:
+        margin = 0.1 * float(np.ptp(values)) + 1e-3
+        top.set_ylim(float(values.min()) - margin, float(values.max()) + margin)
+    top.set_title("Close-up of the onset")
+
+
+def draw_margins(
+    pairs: Sequence[tuple[StatisticSeries, DetectionConfig]], spoofed: Sequence[tuple[str, int]]
+) -> str:
+    """How close each tested satellite came to its threshold, as a dot plot."""
+    tested = [(s, c) for s, c in pairs if s.time_s.size]
+
+    def draw(figure: Figure) -> None:
+        axes = figure.subplots()
+        for row, (series, config) in enumerate(reversed(tested)):
+            ratio = np.abs(series.value) / series.threshold(config.false_alarm_probability)
+            peak = float(ratio.max())
+            hit = (series.system, series.prn) in spoofed
+            colour = style.ALARM if hit else "#00755a"
+            axes.plot([1e-3, peak], [row, row], color=colour, linewidth=2, alpha=0.4)
+            axes.plot(peak, row, "D" if hit else "o", color=colour, markersize=8)
+            axes.annotate(
+                f"{peak:.2g}×", (peak, row), xytext=(9, 0), textcoords="offset points", va="center"
+            )
+        axes.axvline(1.0, color=style.INK, linewidth=1.2, linestyle=(0, (4, 2)))
+        axes.set_xscale("log")
+        top = max((float(np.max(np.abs(s.value) / s.sigma)) for s, _ in tested), default=5.0) / 4
+        axes.set_xlim(0.01, max(10.0, top))
+        names = [satellite_name(s.system, s.prn) for s, _ in reversed(tested)]
+        axes.set_yticks(range(len(tested)), names)
+        axes.set_ylim(-0.6, max(len(tested), 1) - 0.4)
+        axes.set_xlabel("Largest |statistic| / threshold (an alarm is beyond 1)")
+
+    return style.render(draw, 10.0, 1.0 + 0.32 * max(len(tested), 1))

@@ -1,0 +1,92 @@
+"""Acquisition overview and C/N0 over time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from sdr_spoof.records import Acquisition, SignalTrack, State, TrackLog
+from sdr_spoof.report.figures import style
+from sdr_spoof.report.words import satellite_name
+from sdr_spoof.verdict import system_of
+
+
+def draw_acquisition(acquisitions: Sequence[Acquisition]) -> str:
+    """Bars of C/N0 and marks of Doppler per satellite and signal; detected ones only."""
+    found = [a for a in acquisitions if a.detected]
+    satellites = sorted({(system_of(a.signal), a.prn) for a in found})
+    signals = list(dict.fromkeys(a.signal for a in found))
+    width = 0.8 / max(len(signals), 1)
+
+    def draw(figure: Figure) -> None:
+        strength, doppler = figure.subplots(1, 2)
+        for number, signal in enumerate(signals):
+            rows = [a for a in found if a.signal == signal]
+            at = np.array([satellites.index((system_of(a.signal), a.prn)) for a in rows])
+            at = at + (number - (len(signals) - 1) / 2) * width
+            colour = style.colour(signal)
+            strength.bar(at, [a.cn0_dbhz for a in rows], width * 0.92, color=colour, label=signal)
+            doppler.vlines(at, 0, [a.doppler_hz for a in rows], color=colour, linewidth=1.5)
+            doppler.plot(at, [a.doppler_hz for a in rows], "o", color=colour, markersize=5)
+        for axes in (strength, doppler):
+            axes.set_xticks(range(len(satellites)), [satellite_name(*s) for s in satellites])
+            axes.grid(visible=False, axis="x")
+            if len(satellites) > 12:
+                axes.tick_params(axis="x", rotation=90)
+        lowest = min((a.cn0_dbhz for a in found), default=30.0)
+        strength.set_ylim(min(30.0, lowest - 3.0), None)
+        strength.set_ylabel("C/N0 (dB-Hz)")
+        strength.set_title("Signal strength at acquisition")
+        doppler.axhline(0, color=style.MUTED, linewidth=0.8)
+        doppler.set_ylabel("Doppler (Hz)")
+        doppler.set_title("Doppler at acquisition")
+        if signals:
+            figure.legend(*strength.get_legend_handles_labels(), loc="outside upper right", ncols=4)
+
+    return style.render(draw, 10.0, 3.3)
+
+
+def draw_cn0(log: TrackLog, spoofed: Sequence[tuple[str, int]]) -> str:
+    """C/N0 over time, one panel per signal; spoofed satellites in colour, others in grey."""
+    signals = list(dict.fromkeys(t.signal for t in log.signals))
+
+    def draw(figure: Figure) -> None:
+        panels = figure.subplots(1, max(len(signals), 1), sharey=True, squeeze=False)[0]
+        for axes, signal in zip(panels, signals, strict=False):
+            tracks = [t for t in log.signals if t.signal == signal]
+            for track in tracks:
+                hit = (system_of(signal), track.prn) in spoofed
+                _cn0_line(axes, track, style.colour(signal) if hit else "#a9b2bb", hit)
+            axes.set_title(signal)
+            axes.set_xlabel("Time (s)")
+            axes.set_xlim(0, log.duration_s * 1.06)
+        panels[0].set_ylabel("C/N0 (dB-Hz)")
+
+    return style.render(draw, 10.0, 3.2)
+
+
+def _cn0_line(axes, track: SignalTrack, colour: str, emphasised: bool) -> None:  # type: ignore[no-untyped-def]
+    held = track.state >= State.TRACKING
+    if not held.any():
+        return
+    cn0 = np.where(held, track.cn0_dbhz, np.nan)
+    axes.plot(
+        track.time_s,
+        cn0,
+        color=colour,
+        linewidth=1.8 if emphasised else 1.0,
+        zorder=3 if emphasised else 2,
+    )
+    last = np.flatnonzero(held)[-1]
+    axes.annotate(
+        satellite_name(system_of(track.signal), track.prn),
+        (track.time_s[last], cn0[last]),
+        xytext=(3, 0),
+        textcoords="offset points",
+        va="center",
+        fontsize=8,
+        color=colour if emphasised else style.MUTED,
+        fontweight="bold" if emphasised else "normal",
+    )

@@ -1,0 +1,157 @@
+"""The report: one offline HTML file with everything inside it."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Iterator, Mapping, Sequence
+from importlib.metadata import version
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from sdr_spoof.detectors import DetectionConfig, StatisticSeries
+from sdr_spoof.errors import OutputError
+from sdr_spoof.records import Acquisition, Alarm, SatelliteVerdict, TrackLog, Verdict
+from sdr_spoof.report import words
+from sdr_spoof.report.figures.difference import TruthMark, draw_difference, draw_margins
+from sdr_spoof.report.figures.satellite import draw_satellite
+from sdr_spoof.report.figures.signals import draw_acquisition, draw_cn0
+from sdr_spoof.report.figures.spectrum import draw_spectrum
+from sdr_spoof.report.spectrum import RecordingLike, estimate_spectrum
+from sdr_spoof.verdict import NO_SUPPORT, SPOOFED, statistics, system_of
+
+MARKS = {SPOOFED: "✖", "clean": "✔", NO_SUPPORT: "–"}
+LIBRARIES = ("sdr-spoof", "numpy", "scipy", "matplotlib")
+
+
+def write_report(
+    path: Path,
+    *,
+    recording: RecordingLike | None,
+    acquisitions: Sequence[Acquisition],
+    log: TrackLog,
+    verdict: Verdict,
+    detection: DetectionConfig,
+    effective_config: Mapping[str, object] | None = None,
+    truth: TruthMark | None = None,
+    force: bool = False,
+) -> Path:
+    """Writes the report; the same input gives the same bytes.
+
+    ``recording`` is read for the spectrum and may be None; ``effective_config`` is the (nested)
+    configuration of the whole run. Raises OutputError if the file exists (unless ``force``) or
+    cannot be written.
+    """
+    path = Path(path)
+    if path.exists() and not force:
+        raise OutputError(f"{path} exists already; choose another name or pass --force")
+    html = render_report(
+        recording=recording,
+        acquisitions=acquisitions,
+        log=log,
+        verdict=verdict,
+        detection=detection,
+        effective_config=effective_config,
+        truth=truth,
+    )
+    try:
+        path.write_text(html, encoding="utf-8")
+    except OSError as error:
+        raise OutputError(f"cannot write {path}: {error.strerror}") from error
+    return path
+
+
+def render_report(
+    *,
+    recording: RecordingLike | None,
+    acquisitions: Sequence[Acquisition],
+    log: TrackLog,
+    verdict: Verdict,
+    detection: DetectionConfig,
+    effective_config: Mapping[str, object] | None,
+    truth: TruthMark | None,
+) -> str:
+    """The report as one HTML string."""
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent / "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    series = {(s.system, s.prn): s for s in statistics(log, detection)}
+    ordered = words.ordered(verdict)
+    hit = [(s.system, s.prn) for s in ordered if s.verdict == SPOOFED]
+    signals = list(
+        dict.fromkeys([t.signal for t in log.signals] or [a.signal for a in acquisitions])
+    )
+    spectrum = estimate_spectrum(recording) if recording is not None else None
+    return environment.get_template("report.html.j2").render(
+        words=words,
+        verdict=verdict,
+        level=words.level(verdict),
+        alarms=[a for s in ordered for a in s.alarms],
+        tested=words.tested_sentence(verdict, detection.detectors),
+        satellites=ordered,
+        marks=MARKS,
+        log=log,
+        recording=recording,
+        acquisitions=sorted(acquisitions, key=lambda a: (a.prn, a.signal)),
+        acquisition_figure=draw_acquisition(acquisitions) if acquisitions else None,
+        spectrum=spectrum,
+        spectrum_figure=draw_spectrum(spectrum, signals) if spectrum is not None else None,
+        cn0_figure=draw_cn0(log, hit) if log.signals else None,
+        margins_figure=draw_margins([(s, detection) for s in series.values()], hit),
+        key_figures=list(_key_figures(ordered, series, detection, truth)),
+        details=list(_details(ordered, log, series, detection, truth)),
+        config=list(flatten(effective_config or {"detection": detection.model_dump()})),
+        versions=[(name, version(name)) for name in LIBRARIES]
+        + [("Python", platform.python_version())],
+    )
+
+
+def _key_figures(
+    satellites: Sequence[SatelliteVerdict],
+    series: Mapping[tuple[str, int], StatisticSeries],
+    config: DetectionConfig,
+    truth: TruthMark | None,
+) -> Iterator[tuple[Alarm, str]]:
+    for satellite in satellites:
+        key = satellite.system, satellite.prn
+        for alarm in satellite.alarms:
+            mark = truth if _concerns(truth, *key) else None
+            yield alarm, draw_difference(series[key], config, alarm, mark)
+
+
+def _concerns(truth: TruthMark | None, system: str, prn: int) -> bool:
+    return truth is not None and truth.prn in (None, prn) and truth.system == system
+
+
+def _details(
+    satellites: Sequence[SatelliteVerdict],
+    log: TrackLog,
+    series: Mapping[tuple[str, int], StatisticSeries],
+    config: DetectionConfig,
+    truth: TruthMark | None,
+) -> Iterator[tuple[SatelliteVerdict, str, str | None]]:
+    """(satellite, small multiples, its difference figure unless shown above)."""
+    for satellite in satellites:
+        key = satellite.system, satellite.prn
+        tracks = [t for t in log.signals if (system_of(t.signal), t.prn) == key]
+        onset_s = min((a.onset_s for a in satellite.alarms), default=None)
+        difference = None
+        if not satellite.alarms and key in series and series[key].time_s.size:
+            mark = truth if _concerns(truth, *key) else None
+            difference = draw_difference(series[key], config, None, mark)
+        yield satellite, draw_satellite(tracks, onset_s, log.duration_s), difference
+
+
+def flatten(config: Mapping[str, object], prefix: str = "") -> Iterator[tuple[str, str]]:
+    """Nested configuration as (dotted key, value) rows."""
+    for key, value in config.items():
+        if isinstance(value, Mapping):
+            yield from flatten(value, f"{prefix}{key}.")
+        elif isinstance(value, list | tuple):
+            yield f"{prefix}{key}", ", ".join(map(str, value))
+        else:
+            yield f"{prefix}{key}", str(value)

@@ -1,0 +1,82 @@
+"""Power spectral density of a recording, from a few sections of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import welch
+
+from sdr_spoof import _core
+
+
+class RecordingLike(Protocol):
+    """What the report needs of a recording."""
+
+    @property
+    def path(self) -> Path:
+        """Where it lies."""
+
+    @property
+    def format(self) -> Any:
+        """Sample format, rate and ``lo_hz``."""
+
+    @property
+    def sample_count(self) -> int:
+        """Samples in the recording."""
+
+    def read_raw(self, start: int, count: int) -> NDArray[np.uint8]:
+        """Raw bytes of whole samples."""
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """Power spectral density over radio frequency; both arrays have N rows."""
+
+    rf_hz: NDArray[np.float64]
+    density_db: NDArray[np.float64]
+    """dB relative to 1 (sample value)^2 per Hz."""
+    averaged_s: float
+    """Signal that went into it, in s."""
+
+
+def estimate_spectrum(
+    recording: RecordingLike, *, sections: int = 8, section_samples: int = 1 << 18, bins: int = 4096
+) -> Spectrum:
+    """Welch estimate (Hann window) from sections spread evenly over the recording."""
+    count = min(section_samples, recording.sample_count)
+    count -= count % 8  # 2-bit samples come in whole bytes
+    last = recording.sample_count - count
+    starts = np.unique(np.linspace(0, last, sections).astype(np.int64) // 8 * 8)
+    densities = [_section(recording, int(start), count, bins) for start in starts]
+    frequency = densities[0][0]
+    density = np.mean([d for _, d in densities], axis=0)
+    order = np.argsort(frequency)
+    tiny = np.finfo(np.float64).tiny
+    return Spectrum(
+        rf_hz=frequency[order] + recording.format.lo_hz,
+        density_db=10.0 * np.log10(np.maximum(density[order], tiny)),
+        averaged_s=count * len(starts) / recording.format.sample_rate_hz,
+    )
+
+
+def _section(
+    recording: RecordingLike, start: int, count: int, bins: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    form = recording.format
+    raw = recording.read_raw(start, count)
+    values = _core.unpack(form.sample_format, raw, form.float_scale, form.conjugate)
+    samples = values.astype(np.float64)
+    if _core.sample_format(form.sample_format)[1]:
+        samples = samples[0::2] + 1j * samples[1::2]
+    frequency, density = welch(
+        samples,
+        fs=form.sample_rate_hz,
+        nperseg=min(bins, samples.size),
+        detrend=False,
+        return_onesided=not np.iscomplexobj(samples),
+    )
+    return np.asarray(frequency), np.asarray(density)

@@ -1,0 +1,47 @@
+"""The verdict in the terminal."""
+
+from __future__ import annotations
+
+from rich.console import Console, Group
+from rich.panel import Panel
+from rich.table import Table
+from rich.text import Text
+
+from sdr_spoof.detectors import DetectionConfig
+from sdr_spoof.records import SatelliteVerdict, Verdict
+from sdr_spoof.report import words
+from sdr_spoof.verdict import CLEAN, SPOOFED
+
+COLOURS = {"spoofed": "bold red", "clean": "bold green", "unsupported": "bold yellow"}
+MARKS = {SPOOFED: ("✖", "red"), CLEAN: ("✔", "green")}
+
+
+def print_verdict(
+    verdict: Verdict, console: Console | None = None, config: DetectionConfig | None = None
+) -> None:
+    """Prints the verdict: the answer, each satellite, and what was not tested."""
+    console = console or Console()
+    config = config or DetectionConfig()
+    colour = COLOURS[words.level(verdict)]
+    lines = [Text(words.headline(verdict), style=colour)]
+    for satellite in words.ordered(verdict):
+        for alarm in satellite.alarms:
+            lines.append(Text(words.alarm_sentence(alarm), style="bold"))
+            lines.append(Text(f"  {words.evidence(alarm)}"))
+            lines.append(Text(f"  How sure: {words.sureness(alarm)}."))
+    lines.append(Text(words.tested_sentence(verdict, config.detectors)))
+    console.print(Panel(Group(*lines), title="Verdict", border_style=colour, padding=(1, 2)))
+    console.print(_table(words.ordered(verdict)))
+    console.print(Text(verdict.limits, style="dim"))
+
+
+def _table(satellites: list[SatelliteVerdict]) -> Table:
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for title in ("Satellite", "Verdict", "Onset", "Why"):
+        table.add_column(title, no_wrap=title != "Why")
+    for s in satellites:
+        mark, colour = MARKS.get(s.verdict, ("–", "yellow"))
+        onset = f"{min(a.onset_s for a in s.alarms):.2f} s" if s.alarms else ""
+        name = words.satellite_name(s.system, s.prn)
+        table.add_row(name, Text(f"{mark} {s.verdict}", style=colour), onset, s.reason)
+    return table

@@ -1,0 +1,157 @@
+"""Result files: HDF5 with units as attributes, the same bytes for the same result.
+
+Layout: ``/`` holds ``partial`` and ``format_version``; ``/recording`` the format of the samples;
+``/config`` the effective configuration (JSON); ``/acquisitions`` one column per field;
+``/tracks/<signal>_<prn>`` and ``/combos/<prn>`` one column per field, one row per epoch;
+``/verdict`` with tables of satellites and alarms. Every dataset has the attribute ``units``
+("1" where it has none). No dates are stored.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import h5py
+
+from sdr_spoof.errors import OutputError, RecordingError
+from sdr_spoof.records import (
+    Acquisition,
+    ComboTrack,
+    SignalTrack,
+    TrackLog,
+    Verdict,
+)
+from sdr_spoof.sources import RecordingFormat
+
+from . import hdf5_records as records
+from .atomic import replacing
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from pydantic import BaseModel
+
+    from sdr_spoof.sources import Recording
+
+_VERSION = 1
+_LIBVER = ("v110", "v110")
+"""Fixed, so that a newer HDF5 library writes the same bytes."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a result file holds."""
+
+    recording: str
+    """Name of the data file."""
+    format: RecordingFormat
+    config: dict[str, Any]
+    """Effective configuration, group by group."""
+    acquisitions: tuple[Acquisition, ...] = ()
+    log: TrackLog | None = None
+    verdict: Verdict | None = None
+
+    @classmethod
+    def of(
+        cls,
+        recording: Recording,
+        config: BaseModel,
+        *,
+        acquisitions: Sequence[Acquisition] = (),
+        log: TrackLog | None = None,
+        verdict: Verdict | None = None,
+    ) -> Result:
+        """Gather the result of processing a recording."""
+        plain = config.model_dump(mode="json")
+        return cls(recording.path.name, recording.format, plain, tuple(acquisitions), log, verdict)
+
+    @property
+    def partial(self) -> bool:
+        """Whether processing was interrupted."""
+        return self.log is not None and self.log.partial
+
+
+def write_result(path: Path | str, result: Result, *, force: bool = False) -> None:
+    """Write a result file; it appears whole or not at all.
+
+    Raises:
+        OutputError: it exists and ``force`` is not set, or it cannot be written (disk full).
+    """
+    path = Path(path)
+    with replacing(path, force=force) as temporary:
+        try:
+            with h5py.File(temporary, "w", libver=_LIBVER) as file:
+                _write(file, result)
+        except RuntimeError as error:  # how HDF5 reports a failed flush at closing
+            raise OutputError(f"{path}: cannot be written: {error}") from error
+
+
+def read_result(path: Path | str) -> Result:
+    """Read a result file.
+
+    Raises:
+        RecordingError: missing, or not a result file of this version.
+    """
+    try:
+        with h5py.File(path, "r") as file:
+            if file.attrs.get("format_version") != _VERSION:
+                raise RecordingError(f"{path}: not a result file of this version of sdr-spoof")
+            return _read(file)
+    except OSError as error:
+        raise RecordingError(f"{path}: cannot be read as a result file: {error}") from error
+    except KeyError as error:
+        raise RecordingError(f"{path}: not a complete result file: {error}") from error
+
+
+def _write(file: h5py.File, result: Result) -> None:
+    file.attrs["format_version"] = _VERSION
+    file.attrs["partial"] = result.partial
+    recording = file.create_group("recording")
+    records.write_text(recording, "name", result.recording)
+    records.write_text(recording, "format", json.dumps(result.format.model_dump()))
+    records.write_text(file, "config", json.dumps(result.config, sort_keys=True))
+    records.write_rows(file.create_group("acquisitions"), Acquisition, result.acquisitions)
+    if result.log is not None:
+        _write_log(file, result.log)
+    if result.verdict is not None:
+        records.write_verdict(file.create_group("verdict"), result.verdict)
+
+
+def _write_log(file: h5py.File, log: TrackLog) -> None:
+    group = file.create_group("log")
+    records.write_text(group, "recording", log.recording)
+    for name in ("sample_rate_hz", "duration_s"):
+        records.write_array(group, name, getattr(log, name))
+    tracks = file.create_group("tracks")
+    for track in log.signals:
+        records.write_record(tracks.create_group(f"{track.signal}_{track.prn:03d}"), track)
+    combos = file.create_group("combos")
+    for combo in log.combos:
+        records.write_record(combos.create_group(f"{combo.prn:03d}"), combo)
+
+
+def _read(file: h5py.File) -> Result:
+    format = RecordingFormat(**json.loads(records.read_text(file["recording/format"])))
+    return Result(
+        recording=records.read_text(file["recording/name"]),
+        format=format,
+        config=json.loads(records.read_text(file["config"])),
+        acquisitions=tuple(records.read_rows(file["acquisitions"], Acquisition)),
+        log=_read_log(file) if "log" in file else None,
+        verdict=records.read_verdict(file["verdict"]) if "verdict" in file else None,
+    )
+
+
+def _read_log(file: h5py.File) -> TrackLog:
+    group = file["log"]
+    return TrackLog(
+        recording=records.read_text(group["recording"]),
+        sample_rate_hz=float(group["sample_rate_hz"][()]),
+        duration_s=float(group["duration_s"][()]),
+        partial=bool(file.attrs["partial"]),
+        signals=tuple(records.read_record(g, SignalTrack) for g in file["tracks"].values()),
+        combos=tuple(records.read_record(g, ComboTrack) for g in file["combos"].values()),
+    )

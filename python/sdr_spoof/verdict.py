@@ -1,0 +1,130 @@
+"""From a track log to a verdict: runs the detectors, applies the rule, says what was tested."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+
+from sdr_spoof import _core, decision, detectors
+from sdr_spoof.detectors import DetectionConfig, StatisticSeries
+from sdr_spoof.detectors.band_attribution import disturbed_band
+from sdr_spoof.records import Alarm, ComboTrack, SatelliteVerdict, State, TrackLog, Verdict
+
+CLEAN, SPOOFED, NO_SUPPORT = "clean", "spoofed", "not enough support"
+
+
+def detect(log: TrackLog, config: DetectionConfig | None = None) -> Verdict:
+    """What the configured detectors say of every satellite in the log, and overall.
+
+    Raises ConfigError for an unknown detector or rule. Deterministic: the same log and
+    configuration give the same verdict.
+    """
+    config = config or DetectionConfig()
+    by_satellite: dict[tuple[str, int], list[StatisticSeries]] = defaultdict(list)
+    for series in statistics(log, config):
+        by_satellite[series.system, series.prn].append(series)
+    satellites = tuple(
+        _judge(log, system, prn, by_satellite[system, prn], config)
+        for system, prn in satellites_in(log)
+    )
+    return Verdict(
+        spoofed=any(s.verdict == SPOOFED for s in satellites),
+        satellites=satellites,
+        limits=limits(config),
+    )
+
+
+def statistics(log: TrackLog, config: DetectionConfig) -> list[StatisticSeries]:
+    """The series of all configured detectors, as the report draws them."""
+    return [s for name in config.detectors for s in detectors.find(name).statistics(log, config)]
+
+
+def satellites_in(log: TrackLog) -> list[tuple[str, int]]:
+    """(RINEX system letter, PRN) of everything tracked, sorted."""
+    names = [(t.signal, t.prn) for t in log.signals] + [(c.upper, c.prn) for c in log.combos]
+    return sorted({(system_of(signal), prn) for signal, prn in names})
+
+
+def system_of(signal: str) -> str:
+    """RINEX system letter of a signal."""
+    return str(_core.signal_spec(signal)["system"])
+
+
+def limits(config: DetectionConfig) -> str:
+    """In words, what the configured detectors cannot see."""
+    parts = [f"{detectors.find(n).title}: {detectors.find(n).blind_to}." for n in config.detectors]
+    return "'Clean' means: nothing found by these tests. Not seen are, by detector. " + " ".join(
+        parts
+    )
+
+
+def _judge(
+    log: TrackLog, system: str, prn: int, series: list[StatisticSeries], config: DetectionConfig
+) -> SatelliteVerdict:
+    alarms = tuple(a for s in series if (a := _alarm(log, s, config)) is not None)
+    tested_s = max((s.tested_s() for s in series if s.time_s.size), default=0.0)
+    notes = "; ".join(note for s in series for note in s.notes)
+    if alarms:
+        verdict, reason = SPOOFED, _spoofed_reason(alarms[0])
+    elif tested_s >= config.min_tested_s:
+        count = sum(s.time_s.size for s in series)
+        verdict = CLEAN
+        reason = (
+            f"{tested_s:.1f} s tested in {count} overlapping windows, none beyond the threshold"
+        )
+    else:
+        verdict, reason = NO_SUPPORT, _no_support_reason(log, system, prn, series, tested_s, config)
+    return SatelliteVerdict(prn, verdict, alarms, f"{reason}; {notes}" if notes else reason, system)
+
+
+def _alarm(log: TrackLog, series: StatisticSeries, config: DetectionConfig) -> Alarm | None:
+    decided = decision.find(config.rule)(series, config)
+    if decided is None:
+        return None
+    track = _combo(log, series.prn)
+    band = disturbed_band(track, decided.onset_s, decided.alarm_s, config) if track else None
+    return Alarm(
+        prn=series.prn,
+        detector=series.detector,
+        band=band,
+        onset_s=decided.onset_s,
+        alarm_s=decided.alarm_s,
+        statistic=decided.statistic,
+        threshold=decided.threshold,
+        unit=series.unit,
+        system=series.system,
+        log10_p=decided.log10_p,
+    )
+
+
+def _combo(log: TrackLog, prn: int) -> ComboTrack | None:
+    return next((c for c in log.combos if c.prn == prn), None)
+
+
+def _spoofed_reason(alarm: Alarm) -> str:
+    band = f"the carrier of {alarm.band} left" if alarm.band else "one carrier left the other;"
+    which = "its course" if alarm.band else "which band moved cannot be told"
+    return (
+        f"{band} {which} at {alarm.onset_s:.2f} s; "
+        f"difference rate {alarm.statistic:+.3f} {alarm.unit} against a threshold of "
+        f"{alarm.threshold:.3f} {alarm.unit}"
+    )
+
+
+def _no_support_reason(
+    log: TrackLog,
+    system: str,
+    prn: int,
+    series: list[StatisticSeries],
+    tested_s: float,
+    config: DetectionConfig,
+) -> str:
+    if series:
+        return f"only {tested_s:.1f} s could be tested, {config.min_tested_s:g} s are needed"
+    held = [
+        t.signal
+        for t in log.signals
+        if t.prn == prn and system_of(t.signal) == system and (t.state >= State.TRACKING).any()
+    ]
+    if not held:
+        return "no signal of this satellite was held long enough to test"
+    return f"received on {' and '.join(sorted(held))} only; the test compares two bands"

@@ -1,1 +1,0 @@
-//! FFT search for signals.

@@ -1,0 +1,197 @@
+//! What a sideband does at the end of an integration: measure, steer, judge lock, record.
+
+use num_complex::Complex;
+
+use super::discriminator as disc;
+use super::log::State;
+use super::sideband::{Epoch, Measured, Sideband, Sync};
+use crate::C64;
+
+/// Frequency lock alone for this long, then phase lock with a little of it, s.
+const FLL_ALONE_S: f64 = 0.025;
+/// Share of the frequency loop's bandwidth that assists the phase loop.
+const ASSIST: f64 = 0.1;
+/// Phase lock is judged after this, s.
+const JUDGED_S: f64 = 0.03;
+/// Pull-in is given up after this, s.
+const PULL_IN_S: f64 = 2.0;
+/// Phase-lock indicators that count as locked, and as lost.
+const LOCKED: f64 = 0.7;
+const UNLOCKED: f64 = 0.3;
+/// Lock must have been judged for this long before it can be lost, s.
+const GRACE_S: f64 = 0.3;
+
+impl Sideband {
+    /// Reads the carrier and code discriminators, without touching the loops.
+    pub fn measure(&self, epoch: &Epoch) -> Measured {
+        let prompt = epoch.taps[self.taps.prompt];
+        let phase_error = if self.signed {
+            disc::phase(prompt)
+        } else {
+            disc::costas(prompt)
+        };
+        Measured {
+            phase_error,
+            phase_cycles: self.spec.phase_offset_cycles - (epoch.carrier_cycles + phase_error),
+            code_chips: epoch.code_chips + self.code_error(epoch),
+        }
+    }
+
+    fn code_error(&self, epoch: &Epoch) -> f64 {
+        let p = self.taps.prompt;
+        let power = self.cn0.signal_power(epoch.interval_s());
+        let error = disc::code(
+            epoch.taps[p - 1],
+            epoch.taps[p],
+            epoch.taps[p + 1],
+            power,
+            self.taps.slope,
+        );
+        // Beyond the taps the discriminator means nothing.
+        error.clamp(-0.5, 0.5)
+    }
+
+    /// Closes an integration with the sideband's own loops.
+    pub fn close_own(&mut self, epoch: &Epoch) {
+        self.judge(epoch);
+        let measured = self.measure(epoch);
+        let prompt = epoch.taps[self.taps.prompt];
+        let interval = epoch.interval_s();
+        let previous = self.previous.replace(prompt);
+        let alone = self.state == State::PullIn && self.in_state_s < FLL_ALONE_S;
+        if let Some(previous) = previous.filter(|_| self.state == State::PullIn) {
+            let share = if alone { 1.0 } else { ASSIST };
+            let error = disc::frequency(previous, prompt, interval);
+            self.carrier
+                .assist(error, share * self.config.fll_bandwidth_hz);
+        }
+        let doppler = if !alone {
+            self.carrier.update(measured.phase_error)
+        } else {
+            if self.in_state_s + interval >= FLL_ALONE_S {
+                // The phase loop starts where the phase is: it need not swing in.
+                self.correlator.shift_carrier(measured.phase_error);
+            }
+            self.carrier.rate
+        };
+        self.finish(epoch, &measured, doppler, self.state);
+    }
+
+    /// Closes an integration with a Doppler that the combo's loops chose.
+    pub fn close_joint(&mut self, epoch: &Epoch, doppler_hz: f64, rate_hz_s: f64) {
+        self.judge(epoch);
+        let measured = self.measure(epoch);
+        // The own loop stands by, ready to take over without a jump.
+        self.carrier.rate = doppler_hz;
+        self.carrier.acceleration = rate_hz_s;
+        let recorded = if self.state == State::Lost {
+            State::Lost
+        } else {
+            State::Combo
+        };
+        self.finish(epoch, &measured, doppler_hz, recorded);
+    }
+
+    fn finish(&mut self, epoch: &Epoch, measured: &Measured, doppler_hz: f64, recorded: State) {
+        self.record(epoch, measured, recorded);
+        let code_rate = self.code.update(self.code_error(epoch));
+        self.in_state_s += epoch.interval_s();
+        self.steer(doppler_hz, code_rate);
+        if self.state != State::Lost {
+            self.guard_side_peak(epoch);
+            self.promote(epoch.taps[self.taps.prompt]);
+        }
+    }
+
+    /// Updates C/N0 and lock indicators, and declares loss.
+    fn judge(&mut self, epoch: &Epoch) {
+        let prompt = epoch.taps[self.taps.prompt];
+        let interval = epoch.interval_s();
+        self.cn0.add_prompt(prompt, interval);
+        if self.state != State::PullIn || self.in_state_s >= FLL_ALONE_S {
+            self.lock
+                .add(prompt, self.cn0.noise_power(interval), interval);
+        }
+        let lost = match self.state {
+            State::PullIn => self.in_state_s > PULL_IN_S,
+            State::Lost => false,
+            _ => {
+                self.in_state_s > GRACE_S
+                    && (self.lock.value() < UNLOCKED || self.cn0.dbhz() < self.config.cn0_min_dbhz)
+            }
+        };
+        if lost {
+            self.enter(State::Lost);
+        }
+    }
+
+    /// Moves on to the next state when its condition is met.
+    fn promote(&mut self, prompt: C64) {
+        match self.state {
+            State::PullIn
+                if self.lock.elapsed_s() >= JUDGED_S
+                    && self.lock.value() > LOCKED
+                    && self.cn0.dbhz() > self.config.cn0_min_dbhz =>
+            {
+                self.enter(State::Tracking);
+            }
+            State::Tracking => self.synchronise(prompt),
+            _ => {}
+        }
+    }
+
+    fn synchronise(&mut self, prompt: C64) {
+        let period = self.period();
+        let found = match &mut self.sync {
+            Sync::Symbol(s) => s.add(prompt).map(|index| (index, false)),
+            Sync::Secondary(s) => s.add(prompt).inspect(|_| self.signed = true),
+            // A symbol per code period: nothing to find, but let the loops settle.
+            Sync::Known => (self.in_state_s > GRACE_S).then_some((0, false)),
+        };
+        if let Some((index, reversed)) = found {
+            self.sync = Sync::Known;
+            self.position = index * period;
+            if reversed {
+                self.correlator.shift_carrier(0.5);
+            }
+            self.enter(State::Synced);
+        }
+    }
+
+    /// A BOC correlation has side peaks half a chip away; on one of them, the very early or very
+    /// late tap stands on the main peak and is the larger.
+    fn guard_side_peak(&mut self, epoch: &Epoch) {
+        let p = self.taps.prompt;
+        let interval = epoch.interval_s();
+        for (mean, tap) in self.side_peaks.iter_mut().zip([p - 2, p, p + 2]) {
+            mean.add(epoch.taps[tap].norm_sqr() / interval, interval);
+        }
+        let [before, here, after] = self.side_peaks.each_ref().map(|m| m.value());
+        if self.side_peaks[0].elapsed_s() > 0.2 && before.max(after) > 1.5 * here {
+            let towards = if before > after { p - 2 } else { p + 2 };
+            self.correlator
+                .shift_code(self.taps.offsets[towards] as f64);
+            self.side_peaks = Default::default();
+            self.enter(self.state);
+        }
+    }
+
+    fn record(&mut self, epoch: &Epoch, measured: &Measured, state: State) {
+        let doppler_hz = self.doppler_hz();
+        let rows = &mut self.rows;
+        rows.time_s.push(epoch.middle() / self.sample_rate_hz);
+        rows.integration_s.push(epoch.interval_s());
+        rows.state.push(state as u8);
+        rows.carrier_phase_cycles.push(measured.phase_cycles);
+        rows.doppler_hz.push(doppler_hz);
+        rows.code_phase_chips.push(measured.code_chips);
+        rows.cn0_dbhz.push(self.cn0.dbhz());
+        rows.phase_lock.push(self.lock.value());
+        rows.taps.extend(
+            epoch
+                .taps
+                .iter()
+                .map(|t| Complex::new(t.re as f32, t.im as f32)),
+        );
+    }
+}

@@ -1,0 +1,85 @@
+//! Settings of the tracking loops.
+
+use crate::{Error, Result};
+
+/// Settings of the tracking loops; bandwidths are single-sided noise bandwidths.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrackConfig {
+    /// Phase-locked loop, once synchronised, Hz.
+    pub pll_bandwidth_hz: f64,
+    /// Phase-locked loop on 1 ms integrations before that, Hz.
+    pub pull_in_pll_bandwidth_hz: f64,
+    /// Frequency-locked loop during pull-in, Hz.
+    pub fll_bandwidth_hz: f64,
+    /// Delay-locked loop, once synchronised, Hz.
+    pub dll_bandwidth_hz: f64,
+    /// Main-carrier loop of a combo, Hz.
+    pub main_bandwidth_hz: f64,
+    /// Subcarrier loop of a combo, Hz.
+    pub subcarrier_bandwidth_hz: f64,
+    /// Longest coherent integration, ms.
+    pub integration_ms: usize,
+    /// Below this C/N0 a signal counts as lost, dB-Hz.
+    pub cn0_min_dbhz: f64,
+    /// Receive the QMBOC pilot whole, or as BOC(1,1) where the bandwidth is narrow.
+    pub qmboc: bool,
+    /// Couple the two sidebands of a satellite.
+    pub combo: bool,
+}
+
+impl Default for TrackConfig {
+    fn default() -> Self {
+        TrackConfig {
+            pll_bandwidth_hz: 10.0,
+            pull_in_pll_bandwidth_hz: 20.0,
+            fll_bandwidth_hz: 20.0,
+            dll_bandwidth_hz: 1.0,
+            main_bandwidth_hz: 10.0,
+            subcarrier_bandwidth_hz: 5.0,
+            integration_ms: 10,
+            cn0_min_dbhz: 25.0,
+            qmboc: true,
+            combo: true,
+        }
+    }
+}
+
+impl TrackConfig {
+    /// Checks ranges.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] names the setting.
+    pub fn check(&self) -> Result<()> {
+        if !matches!(self.integration_ms, 1 | 2 | 4 | 5 | 10 | 20) {
+            return Err(Error::Invalid(format!(
+                "integration_ms is {}; choose 1, 2, 4, 5, 10 or 20",
+                self.integration_ms
+            )));
+        }
+        let interval = self.integration_ms as f64 * 1e-3;
+        for (name, value, longest) in [
+            ("pll_bandwidth_hz", self.pll_bandwidth_hz, interval),
+            ("dll_bandwidth_hz", self.dll_bandwidth_hz, interval),
+            ("main_bandwidth_hz", self.main_bandwidth_hz, interval),
+            (
+                "subcarrier_bandwidth_hz",
+                self.subcarrier_bandwidth_hz,
+                interval,
+            ),
+            (
+                "pull_in_pll_bandwidth_hz",
+                self.pull_in_pll_bandwidth_hz,
+                1e-3,
+            ),
+            ("fll_bandwidth_hz", self.fll_bandwidth_hz, 1e-3),
+        ] {
+            if !(value > 0.0 && value * longest <= 0.25) {
+                return Err(Error::Invalid(format!(
+                    "{name} is {value}; it must be positive and at most {} Hz at this integration time",
+                    0.25 / longest
+                )));
+            }
+        }
+        Ok(())
+    }
+}

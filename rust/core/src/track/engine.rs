@@ -1,0 +1,182 @@
+//! The tracker: shared front ends, all satellites, and the threads to run them.
+
+use rayon::prelude::*;
+
+use super::channel::Channel;
+use super::config::TrackConfig;
+use super::log::State;
+use super::sideband::{Seed, Sideband};
+use crate::dsp::prefix::PrefixBand;
+use crate::sample::SampleFormat;
+use crate::signal;
+use crate::{Error, Result};
+
+/// Samples per round of front ends and channels.
+const CHUNK: usize = 1 << 16;
+
+/// What a recording's samples are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Input {
+    /// Sample format.
+    pub format: SampleFormat,
+    /// Negate Q.
+    pub conjugate: bool,
+    /// Factor from float samples to integers.
+    pub float_scale: f32,
+    /// Sample rate.
+    pub sample_rate_hz: f64,
+    /// Radio frequency at 0 Hz in the file.
+    pub lo_hz: f64,
+    /// First sample that will be fed.
+    pub start: u64,
+}
+
+/// A signal to track.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Target {
+    /// Registry name.
+    pub signal: String,
+    /// Satellite.
+    pub prn: u16,
+    /// Where it was found.
+    pub seed: Seed,
+}
+
+/// Tracks any number of satellites through a recording fed in pieces of any length.
+pub struct Tracker {
+    input: Input,
+    pool: rayon::ThreadPool,
+    carriers_hz: Vec<f64>,
+    bands: Vec<PrefixBand>,
+    channels: Vec<Channel>,
+    samples: Vec<i16>,
+}
+
+impl Tracker {
+    /// A tracker for the given targets. Signals of one PRN and system are tracked together.
+    ///
+    /// # Errors
+    /// Unknown signals or PRNs, settings out of range, no thread pool.
+    pub fn new(
+        input: Input,
+        config: &TrackConfig,
+        targets: &[Target],
+        threads: usize,
+    ) -> Result<Self> {
+        config.check()?;
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .map_err(|e| Error::Invalid(format!("cannot start {threads} threads: {e}")))?;
+        let mut carriers_hz: Vec<f64> = Vec::new();
+        for target in targets {
+            let carrier = signal::find(&target.signal)?.carrier_hz;
+            if !carriers_hz.contains(&carrier) {
+                carriers_hz.push(carrier);
+            }
+        }
+        let fs = input.sample_rate_hz;
+        // A chunk, a millisecond for a sideband that waits for its partner, and the far taps.
+        let history = CHUNK + (1.2e-3 * fs) as usize + 4096;
+        let bands = carriers_hz
+            .iter()
+            .map(|c| {
+                let frequency = (c - input.lo_hz) / fs;
+                PrefixBand::new(frequency, input.format.is_complex(), input.start, history)
+            })
+            .collect();
+        let mut tracker = Tracker {
+            input,
+            pool,
+            carriers_hz,
+            bands,
+            channels: vec![],
+            samples: vec![],
+        };
+        tracker.channels = tracker.build_channels(config, targets)?;
+        Ok(tracker)
+    }
+
+    fn build_channels(&self, config: &TrackConfig, targets: &[Target]) -> Result<Vec<Channel>> {
+        let mut groups: Vec<((char, u16), Vec<Sideband>)> = Vec::new();
+        for target in targets {
+            let spec = signal::find(&target.signal)?;
+            let band = self
+                .carriers_hz
+                .iter()
+                .position(|&c| c == spec.carrier_hz)
+                .unwrap_or(0);
+            let (fs, start) = (self.input.sample_rate_hz, self.input.start);
+            let sideband = Sideband::new(spec, target.prn, band, fs, config, target.seed, start)?;
+            let key = (spec.system, target.prn);
+            match groups.iter_mut().find(|g| g.0 == key) {
+                Some(group) => group.1.push(sideband),
+                None => groups.push((key, vec![sideband])),
+            }
+        }
+        let fs = self.input.sample_rate_hz;
+        Ok(groups
+            .into_iter()
+            .map(|((_, prn), s)| Channel::new(prn, s, config, fs))
+            .collect())
+    }
+
+    /// Absorbs raw bytes of whole samples.
+    pub fn feed(&mut self, bytes: &[u8]) {
+        let Input {
+            format,
+            conjugate,
+            float_scale,
+            ..
+        } = self.input;
+        self.samples.clear();
+        format.unpack(bytes, float_scale, conjugate, &mut self.samples);
+        let width = if format.is_complex() { 2 } else { 1 };
+        let (samples, bands, channels) = (&self.samples, &mut self.bands, &mut self.channels);
+        self.pool.install(|| {
+            for chunk in samples.chunks(CHUNK * width) {
+                bands.par_iter_mut().for_each(|band| band.feed(chunk));
+                channels
+                    .par_iter_mut()
+                    .for_each(|channel| channel.advance(bands));
+            }
+        });
+    }
+
+    /// All satellites with what they recorded.
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// Next sample to be fed.
+    pub fn position(&self) -> u64 {
+        self.bands.first().map_or(self.input.start, PrefixBand::end)
+    }
+
+    /// Signals that are lost now, with their last Doppler.
+    pub fn lost(&self) -> Vec<(String, u16, f64)> {
+        self.channels
+            .iter()
+            .flat_map(|c| c.sidebands.iter().map(move |s| (c.prn, s)))
+            .filter(|(_, s)| s.state() == State::Lost)
+            .map(|(prn, s)| (s.spec.id.to_owned(), prn, s.doppler_hz()))
+            .collect()
+    }
+
+    /// Restarts a lost signal from a new acquisition.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if it is not tracked here.
+    pub fn restart(&mut self, target: &Target) -> Result<()> {
+        let earliest = self.position();
+        self.channels
+            .iter_mut()
+            .filter(|c| c.prn == target.prn)
+            .flat_map(|c| &mut c.sidebands)
+            .find(|s| s.spec.id == target.signal)
+            .ok_or_else(|| {
+                Error::Invalid(format!("{} {} is not tracked", target.signal, target.prn))
+            })?
+            .restart(target.seed, earliest)
+    }
+}

@@ -1,0 +1,65 @@
+//! What tracking records: one row per integration, column by column.
+
+use num_complex::Complex;
+
+/// State of a sideband; the numbers are those of the log.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum State {
+    /// Not tracked.
+    Lost = 0,
+    /// Frequency-locked loop on 1 ms integrations.
+    PullIn = 1,
+    /// Phase and code locked, symbol edges or secondary code not yet known.
+    Tracking = 2,
+    /// Symbol edges or secondary code known, long integrations.
+    Synced = 3,
+    /// Tracked jointly with the satellite's other sideband.
+    Combo = 4,
+}
+
+/// Rows of one signal. Times and phases are at the middle of the integration.
+#[derive(Debug, Default, Clone)]
+pub struct SignalRows {
+    /// Seconds since the first sample of the recording.
+    pub time_s: Vec<f64>,
+    /// Coherent integration.
+    pub integration_s: Vec<f64>,
+    /// [`State`] as a number.
+    pub state: Vec<u8>,
+    /// Measured carrier phase, growing with range.
+    pub carrier_phase_cycles: Vec<f64>,
+    /// Carrier oscillator beyond the nominal carrier.
+    pub doppler_hz: Vec<f64>,
+    /// Measured received code phase since the channel's start.
+    pub code_phase_chips: Vec<f64>,
+    /// C/N0 estimate.
+    pub cn0_dbhz: Vec<f64>,
+    /// Phase-lock indicator.
+    pub phase_lock: Vec<f64>,
+    /// Correlator outputs, row after row.
+    pub taps: Vec<Complex<f32>>,
+}
+
+/// Rows of a satellite's pair of sidebands.
+#[derive(Debug, Default, Clone)]
+pub struct ComboRows {
+    /// Seconds since the first sample of the recording (upper sideband's).
+    pub time_s: Vec<f64>,
+    /// Coherent integration.
+    pub integration_s: Vec<f64>,
+    /// [`State`] as a number.
+    pub state: Vec<u8>,
+    /// Measured carrier phase of the lower sideband.
+    pub phase_lower_cycles: Vec<f64>,
+    /// Measured carrier phase of the upper sideband, brought to the same instant.
+    pub phase_upper_cycles: Vec<f64>,
+    /// C/N0 of the lower sideband.
+    pub cn0_lower_dbhz: Vec<f64>,
+    /// C/N0 of the upper sideband.
+    pub cn0_upper_dbhz: Vec<f64>,
+    /// Code delay, upper minus lower.
+    pub code_difference_s: Vec<f64>,
+    /// Subcarrier-lock indicator.
+    pub subcarrier_lock: Vec<f64>,
+}

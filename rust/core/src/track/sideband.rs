@@ -1,0 +1,363 @@
+//! One signal of one satellite: correlator, loops, synchronisation and lock as a state machine.
+//!
+//! ```text
+//! PullIn --phase lock--> Tracking --symbol or secondary sync--> Synced
+//!    ^                       |                                     |
+//!    +---- restart ---- Lost <------------- loss of lock ----------+
+//! ```
+
+use std::sync::Arc;
+
+use super::config::TrackConfig;
+use super::log::{SignalRows, State};
+use super::loop_filter::LoopFilter;
+use super::quality::{Cn0, PhaseLock, RunningMean};
+use super::sync::{SecondarySync, SymbolSync};
+use super::taps::Taps;
+use crate::dsp::correlator::{Correlator, Replica, SLICE_S};
+use crate::dsp::prefix::PrefixBand;
+use crate::signal::{Modulation, SignalSpec};
+use crate::{Result, C64};
+
+/// Where a signal was found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seed {
+    /// Sample at which the values hold.
+    pub sample: u64,
+    /// Carrier Doppler.
+    pub doppler_hz: f64,
+    /// From that sample to the first following start of a code period.
+    pub code_delay_s: f64,
+}
+
+/// A coherent integration, secondary code wiped where it is known.
+#[derive(Debug, Clone)]
+pub struct Epoch {
+    /// Sum per tap.
+    pub taps: Vec<C64>,
+    /// Coherent time in slices.
+    pub slices: usize,
+    /// First sample and number of samples.
+    pub first: u64,
+    /// Number of samples.
+    pub samples: u64,
+    /// Replica's carrier phase at the middle, cycles beyond the nominal carrier.
+    pub carrier_cycles: f64,
+    /// Replica's code phase at the middle, chips since the channel's start.
+    pub code_chips: f64,
+}
+
+impl Epoch {
+    /// Coherent time.
+    pub fn interval_s(&self) -> f64 {
+        self.slices as f64 * SLICE_S
+    }
+
+    /// Middle of the integration in samples.
+    pub fn middle(&self) -> f64 {
+        self.first as f64 + 0.5 * (self.samples as f64 - 1.0)
+    }
+
+    /// One past the last sample.
+    pub fn end(&self) -> u64 {
+        self.first + self.samples
+    }
+}
+
+/// What the discriminators say of an epoch.
+#[derive(Debug, Clone, Copy)]
+pub struct Measured {
+    /// Received minus replica carrier phase, cycles.
+    pub phase_error: f64,
+    /// Measured carrier phase, cycles beyond the nominal carrier; grows as range grows.
+    pub phase_cycles: f64,
+    /// Measured code phase, chips since the channel's start.
+    pub code_chips: f64,
+}
+
+pub(super) enum Sync {
+    Symbol(SymbolSync),
+    Secondary(SecondarySync),
+    Known,
+}
+
+/// One signal of one satellite.
+pub struct Sideband {
+    /// The signal.
+    pub spec: &'static SignalSpec,
+    /// Which of the tracker's bands it is in.
+    pub band: usize,
+    /// The taps.
+    pub taps: Taps,
+    /// Rows recorded so far.
+    pub rows: SignalRows,
+    pub(super) config: TrackConfig,
+    pub(super) sample_rate_hz: f64,
+    prn: u16,
+    replica: Arc<Replica>,
+    pub(super) correlator: Correlator,
+    pub(super) state: State,
+    /// Known sign: pilot with its secondary code found.
+    pub(super) signed: bool,
+    overlay: Vec<i8>,
+    pub(super) sync: Sync,
+    /// Slice counter, meaningful modulo what is synchronised.
+    pub(super) position: usize,
+    chips: u64,
+    length: usize,
+    partial: Option<Epoch>,
+    pub(super) carrier: LoopFilter,
+    pub(super) code: LoopFilter,
+    doppler_hz: f64,
+    pub(super) previous: Option<C64>,
+    pub(super) cn0: Cn0,
+    pub(super) lock: PhaseLock,
+    pub(super) side_peaks: [RunningMean; 3],
+    pub(super) in_state_s: f64,
+}
+
+impl Sideband {
+    /// A sideband that starts to pull in at the first code period that begins at or after
+    /// `earliest` samples.
+    ///
+    /// # Errors
+    /// [`crate::Error::UnknownPrn`]
+    pub fn new(
+        spec: &'static SignalSpec,
+        prn: u16,
+        band: usize,
+        sample_rate_hz: f64,
+        config: &TrackConfig,
+        seed: Seed,
+        earliest: u64,
+    ) -> Result<Self> {
+        let modulation = match spec.modulation {
+            Modulation::Qmboc if !config.qmboc => Modulation::Boc11,
+            m => m,
+        };
+        let replica = Arc::new(Replica::new(spec, prn, modulation)?);
+        let samples_per_chip = sample_rate_hz / spec.chip_rate_hz;
+        let taps = Taps::new(modulation, &spec.code(prn)?, samples_per_chip);
+        let mut sideband = Sideband {
+            spec,
+            band,
+            rows: SignalRows::default(),
+            config: config.clone(),
+            sample_rate_hz,
+            prn,
+            correlator: Correlator::new(Arc::clone(&replica), &taps.offsets, 0, 0.0),
+            taps,
+            replica,
+            state: State::PullIn,
+            signed: false,
+            overlay: Vec::new(),
+            sync: Sync::Known,
+            position: 0,
+            chips: 0,
+            length: 1,
+            partial: None,
+            carrier: LoopFilter::new(3, config.pull_in_pll_bandwidth_hz, SLICE_S),
+            code: LoopFilter::new(1, 2.0 * config.dll_bandwidth_hz, SLICE_S),
+            doppler_hz: seed.doppler_hz,
+            previous: None,
+            cn0: Cn0::new(0.5),
+            lock: PhaseLock::new(0.05),
+            side_peaks: Default::default(),
+            in_state_s: 0.0,
+        };
+        sideband.restart(seed, earliest)?;
+        Ok(sideband)
+    }
+
+    /// Starts afresh from a new acquisition.
+    ///
+    /// # Errors
+    /// None for a sideband that could be built.
+    pub fn restart(&mut self, seed: Seed, earliest: u64) -> Result<()> {
+        let earliest = earliest as f64 + self.taps.reach() as f64;
+        let rate = self.spec.chip_rate_hz * (1.0 + seed.doppler_hz / self.spec.carrier_hz);
+        let period = self.spec.code_length as f64 / rate * self.sample_rate_hz;
+        let mut start = seed.sample as f64 + seed.code_delay_s * self.sample_rate_hz;
+        start += ((earliest - start) / period).ceil().max(0.0) * period;
+        self.correlator = Correlator::new(Arc::clone(&self.replica), &self.taps.offsets, 0, start);
+        let overlay = self.spec.secondary(self.prn)?;
+        let symbol = self.spec.periods_per_symbol(self.prn)?;
+        self.sync = match symbol {
+            None if overlay.is_empty() => Sync::Known,
+            None => Sync::Secondary(SecondarySync::new(overlay.clone())),
+            Some(1) => Sync::Known,
+            Some(n) if overlay.is_empty() => Sync::Symbol(SymbolSync::new(vec![1; n])),
+            Some(_) => Sync::Symbol(SymbolSync::new(overlay.clone())),
+        };
+        self.overlay = overlay;
+        self.signed = false;
+        self.position = 0;
+        self.chips = 0;
+        self.doppler_hz = seed.doppler_hz;
+        self.carrier.rate = seed.doppler_hz;
+        self.carrier.acceleration = 0.0;
+        self.code.rate = 0.0;
+        self.cn0.forget_signal();
+        self.enter(State::PullIn);
+        self.steer(seed.doppler_hz, 0.0);
+        Ok(())
+    }
+
+    /// Replica delay of each tap, seconds.
+    pub fn tap_offsets_s(&self) -> Vec<f64> {
+        self.taps
+            .offsets
+            .iter()
+            .map(|&o| o as f64 / self.sample_rate_hz)
+            .collect()
+    }
+
+    /// Its state.
+    pub fn state(&self) -> State {
+        self.state
+    }
+
+    /// Its Doppler oscillator.
+    pub fn doppler_hz(&self) -> f64 {
+        self.doppler_hz
+    }
+
+    /// Its own loop's smoothed Doppler, without the proportional part.
+    pub fn smooth_doppler_hz(&self) -> f64 {
+        self.carrier.rate
+    }
+
+    /// Change of Doppler per second, as its own loop sees it.
+    pub fn doppler_rate_hz_s(&self) -> f64 {
+        self.carrier.acceleration
+    }
+
+    /// C/N0 estimate.
+    pub fn cn0_dbhz(&self) -> f64 {
+        self.cn0.dbhz()
+    }
+
+    /// Amplitude of a coherent sum over `interval_s`.
+    pub fn amplitude(&self, interval_s: f64) -> f64 {
+        self.cn0.signal_power(interval_s).sqrt()
+    }
+
+    /// Where the integration in progress will end, in samples.
+    pub fn expected_end(&self) -> f64 {
+        let left = self.length - self.position % self.length;
+        self.correlator.start() + left as f64 * SLICE_S * self.sample_rate_hz
+    }
+
+    /// Slices in a code period.
+    pub(super) fn period(&self) -> usize {
+        self.replica.slices_per_period()
+    }
+
+    /// Longest integration that stays within a symbol once all is known, slices.
+    fn synced_length(&self) -> usize {
+        let symbol = match self.spec.periods_per_symbol(self.prn) {
+            Ok(Some(n)) => n * self.period(),
+            _ => self.overlay.len().max(1) * self.period(),
+        };
+        (1..=self.config.integration_ms)
+            .rev()
+            .find(|n| symbol % n == 0)
+            .unwrap_or(1)
+    }
+
+    pub(super) fn enter(&mut self, state: State) {
+        self.state = state;
+        self.in_state_s = 0.0;
+        self.partial = None;
+        self.previous = None;
+        let c = &self.config;
+        let (length, order, pll, dll, memory) = match state {
+            State::Lost | State::PullIn => (
+                1,
+                2,
+                c.pull_in_pll_bandwidth_hz,
+                2.0 * c.dll_bandwidth_hz,
+                0.05,
+            ),
+            State::Tracking => {
+                let length = self.period().min(c.integration_ms);
+                let pll = if length > 1 {
+                    c.pll_bandwidth_hz
+                } else {
+                    c.pull_in_pll_bandwidth_hz
+                };
+                (length, 3, pll, 2.0 * c.dll_bandwidth_hz, 0.2)
+            }
+            State::Synced | State::Combo => (
+                self.synced_length(),
+                3,
+                c.pll_bandwidth_hz,
+                c.dll_bandwidth_hz,
+                0.2,
+            ),
+        };
+        self.length = length;
+        let interval = length as f64 * SLICE_S;
+        self.lock = PhaseLock::new(memory);
+        // A wide loop's acceleration is mostly noise: the narrow one starts without.
+        self.carrier = LoopFilter::new(order, pll, interval).starting(self.carrier.rate, 0.0);
+        self.code = LoopFilter::new(1, dll, interval);
+    }
+
+    /// Sets both oscillators: carrier, and code aided by it.
+    pub(super) fn steer(&mut self, doppler_hz: f64, code_rate: f64) {
+        self.doppler_hz = doppler_hz;
+        let chips = self.spec.chip_rate_hz * (1.0 + doppler_hz / self.spec.carrier_hz) + code_rate;
+        self.correlator.set_rates(
+            doppler_hz / self.sample_rate_hz,
+            self.sample_rate_hz / chips,
+        );
+    }
+
+    /// Works off what the band holds, up to the end of an integration.
+    pub fn advance(&mut self, band: &PrefixBand) -> Option<Epoch> {
+        if self.state == State::Lost {
+            return None;
+        }
+        loop {
+            let carrier_cycles = self.correlator.carrier_cycles();
+            let samples_per_chip = self.correlator.samples_per_chip();
+            let code_chips = self.chips as f64 - self.correlator.fraction() / samples_per_chip;
+            let slice = self.correlator.advance(band)?;
+            self.cn0.add_noise(slice.taps[self.taps.noise], SLICE_S);
+            let sign = self.overlay_sign();
+            let epoch = self.partial.get_or_insert_with(|| Epoch {
+                taps: vec![C64::default(); slice.taps.len()],
+                slices: 0,
+                first: slice.start,
+                samples: 0,
+                carrier_cycles,
+                code_chips,
+            });
+            for (sum, tap) in epoch.taps.iter_mut().zip(&slice.taps) {
+                *sum += tap * sign;
+            }
+            epoch.slices += 1;
+            epoch.samples += slice.samples;
+            self.chips += self.replica.chips_per_slice();
+            self.position += 1;
+            if self.position % self.length == 0 {
+                // One that started half-way is of no use to the loops.
+                if let Some(mut e) = self.partial.take().filter(|e| e.slices == self.length) {
+                    let half = 0.5 * (e.samples as f64 - 1.0);
+                    e.carrier_cycles += self.doppler_hz / self.sample_rate_hz * half;
+                    e.code_chips += half / samples_per_chip;
+                    return Some(e);
+                }
+            }
+        }
+    }
+
+    fn overlay_sign(&self) -> f64 {
+        if matches!(self.sync, Sync::Known) && !self.overlay.is_empty() {
+            f64::from(self.overlay[self.position / self.period() % self.overlay.len()])
+        } else {
+            1.0
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! Correlator taps: very early, early, prompt, late, very late, and one far off for noise.
+
+use super::discriminator::early_late_slope;
+use crate::signal::Modulation;
+
+/// The taps of a sideband, in whole samples.
+#[derive(Debug, Clone)]
+pub struct Taps {
+    /// Replica delay of each tap, samples; positive = late.
+    pub offsets: Vec<i64>,
+    /// Index of the noise tap; the others come in order of delay around [`Taps::prompt`].
+    pub noise: usize,
+    /// Index of the prompt tap.
+    pub prompt: usize,
+    /// Slope of early minus late per chip.
+    pub slope: f64,
+}
+
+impl Taps {
+    /// Taps for a modulation at a sampling density; `code` chooses where noise is measured.
+    pub fn new(modulation: Modulation, code: &[i8], samples_per_chip: f64) -> Self {
+        // Half the early-late spacing in chips: on the straight flank of the main peak.
+        let half = match modulation {
+            Modulation::Bpsk => 0.25,
+            Modulation::Boc11 | Modulation::Qmboc => 0.1,
+        };
+        let near = ((half * samples_per_chip).round() as i64).max(1);
+        let far = ((0.5 * samples_per_chip).round() as i64).max(near + 1);
+        let noise = -(quiet_lag(code) * samples_per_chip).round() as i64;
+        Taps {
+            offsets: vec![-far, -near, 0, near, far, noise],
+            noise: 5,
+            prompt: 2,
+            slope: early_late_slope(modulation, near as f64 / samples_per_chip),
+        }
+    }
+
+    /// Largest distance of a tap from the prompt, samples.
+    pub fn reach(&self) -> i64 {
+        self.offsets.iter().map(|o| o.abs()).max().unwrap_or(0)
+    }
+}
+
+/// A lag of a few chips, half-way between two whole ones, where the code's own autocorrelation
+/// leaks least into the noise tap.
+fn quiet_lag(code: &[i8]) -> f64 {
+    let n = code.len();
+    let sidelobe = |lag: usize| {
+        (0..n)
+            .map(|i| i64::from(code[i]) * i64::from(code[(i + lag) % n]))
+            .sum::<i64>()
+            .abs()
+    };
+    (3..16)
+        .min_by_key(|&lag| sidelobe(lag) + sidelobe(lag + 1))
+        .map_or(3.5, |lag| lag as f64 + 0.5)
+}
