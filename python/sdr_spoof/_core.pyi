@@ -46,6 +46,7 @@ class Emitter:
     def doppler_hz(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]: ...
     def cn0_dbhz(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]: ...
     def data_symbols(self, index: NDArray[np.int64]) -> NDArray[np.int8]: ...
+
 @final
 class Synthesizer:
     def __new__(
@@ -66,6 +67,7 @@ class Synthesizer:
     def generate(self, start_sample: int, count: int) -> NDArray[np.uint8]: ...
 
 # acquisition
+@final
 class SearchPeak:
     @property
     def prn(self) -> int: ...
@@ -80,6 +82,7 @@ class SearchPeak:
     @property
     def cn0_dbhz(self) -> float: ...
 
+@final
 class Search:
     def __new__(
         cls,
@@ -101,6 +104,7 @@ class Search:
 def search_peak_shape(signal: str, delays: list[float]) -> tuple[float, list[float]]: ...
 
 # tracking
+@final
 class Tracker:
     def __new__(
         cls,

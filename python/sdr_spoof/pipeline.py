@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from .acquisition import acquire
-from .detectors import detect
 from .errors import OutputError
 from .progress import silent
 from .report import write_report
 from .sinks.hdf5 import Result, write_result
 from .tracking import track
+from .verdict import detect
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -88,7 +88,16 @@ def process(
     verdict = detect(log, config.detection)
     result = Result.of(recording, config, acquisitions=found, log=log, verdict=verdict)
     write_result(result_path, result, force=force)
-    write_report(report_path, recording, found, log, verdict)
+    write_report(
+        report_path,
+        recording=recording,
+        acquisitions=found,
+        log=log,
+        verdict=verdict,
+        detection=config.detection,
+        effective_config=config.model_dump(mode="json"),
+        force=force,
+    )
     return Processed(recording, config, tuple(found), log, verdict, result_path, report_path)
 
 
