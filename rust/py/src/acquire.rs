@@ -10,7 +10,7 @@ use sdr_spoof_core::{sample::SampleFormat, signal};
 use crate::to_py;
 
 /// The largest cell of one search.
-#[pyclass(name = "SearchPeak", frozen, get_all)]
+#[pyclass(name = "SearchPeak", module = "sdr_spoof._core", frozen, get_all)]
 struct PyPeak {
     prn: u16,
     statistic: f64,
@@ -34,7 +34,7 @@ impl From<Peak> for PyPeak {
 }
 
 /// The samples of one signal, ready to be searched for any PRN.
-#[pyclass(name = "Search")]
+#[pyclass(name = "Search", module = "sdr_spoof._core")]
 struct PySearch(Search);
 
 #[pymethods]
