@@ -51,34 +51,37 @@ class AcquisitionConfig(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     pfa: float = Field(
-        1e-5,
+        default=1e-5,
         gt=0,
         lt=0.5,
         description="false-alarm probability of the search for one PRN, over its whole grid of "
         "code delay and Doppler; a recording has one such search per signal and PRN",
     )
     doppler_max_hz: float = Field(
-        5000.0, gt=0, le=100e3, description="largest Doppler searched, receiver offset included"
+        default=5000.0,
+        gt=0,
+        le=100e3,
+        description="largest Doppler searched, receiver offset included",
     )
     blocks_short: int = Field(
-        20,
+        default=20,
         ge=1,
         le=1000,
         description="non-coherent sums of one code period for codes of 1 ms (B1I, L1CA)",
     )
     blocks_long: int = Field(
-        5,
+        default=5,
         ge=1,
         le=1000,
         description="non-coherent sums of one code period for codes of 10 ms (B1C)",
     )
     handover: bool = Field(
-        True,
+        default=True,
         description="search B1C only near the Doppler of satellites found on B1I, where the "
         "recording holds both; false searches both blind",
     )
     handover_doppler_hz: float = Field(
-        250.0, gt=0, description="half width of the Doppler range searched after a handover"
+        default=250.0, gt=0, description="half width of the Doppler range searched after a handover"
     )
 
 
