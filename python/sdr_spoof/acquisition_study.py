@@ -88,28 +88,35 @@ class PfaResult:
 
 def false_alarms(
     grid: Grid,
-    pfa: float,
+    pfas: Sequence[float],
     searches: int,
     *,
     seed: int = 1,
     threads: int = 1,
-    progress: Progress | None = None,
-) -> PfaResult:
-    """Search white Gaussian int8 noise for every PRN, again and again with new noise."""
+) -> list[PfaResult]:
+    """Search white Gaussian int8 noise for every PRN, again and again with new noise.
+
+    Returns:
+        One result for each of ``pfas``, all from the same searches.
+    """
     prns = _core.signal_spec(grid.signal)["prns"]
-    alarms = done = trial = 0
-    while done < searches:
+    statistics: list[float] = []
+    cells = 0
+    for trial in range(-(-searches // len(prns))):
         rng = np.random.default_rng([seed, trial])
         count = round((grid.blocks + 1) * grid.period_s * NOISE_RATE_HZ) + 4096
         noise = np.clip(np.rint(rng.normal(0.0, 25.0, 2 * count)), -128, 127).astype(np.int8)
-        jobs = [(p, -grid.reach, grid.reach) for p in prns[: searches - done]]
-        peaks = _search(grid, noise.view(np.uint8), NOISE_RATE_HZ, threads).run(jobs)
-        alarms += sum(p.statistic > grid.threshold(pfa, p.cells) for p in peaks)
-        done, trial = done + len(jobs), trial + 1
-        if progress is not None:
-            progress(done, searches)
-    interval = binomtest(alarms, searches).proportion_ci(0.95)
-    return PfaResult(grid.signal, pfa, searches, alarms, interval.low, interval.high)
+        search = _search(grid, noise.view(np.uint8), NOISE_RATE_HZ, threads)
+        peaks = search.run([(p, -grid.reach, grid.reach) for p in prns])
+        statistics += [p.statistic for p in peaks]
+        cells = peaks[0].cells
+    return [_pfa_result(grid, pfa, cells, statistics) for pfa in pfas]
+
+
+def _pfa_result(grid: Grid, pfa: float, cells: int, statistics: Sequence[float]) -> PfaResult:
+    alarms = int(np.sum(np.asarray(statistics) > grid.threshold(pfa, cells)))
+    interval = binomtest(alarms, len(statistics)).proportion_ci(0.95)
+    return PfaResult(grid.signal, pfa, len(statistics), alarms, interval.low, interval.high)
 
 
 def _search(grid: Grid, raw: NDArray[np.uint8], rate_hz: float, threads: int) -> _core.Search:
@@ -226,9 +233,9 @@ def theoretical_pd(grid: Grid, cn0_dbhz: Sequence[float], pfa: float) -> NDArray
 def run(
     output: Path,
     *,
-    searches: int = 4000,
-    trials: int = 400,
-    pfa: float = 0.05,
+    searches: int = 3000,
+    trials: int = 240,
+    pfas: Sequence[float] = (0.2, 0.05, 0.01),
     threads: int = 1,
     progress: Progress | None = None,
 ) -> dict[str, object]:
@@ -238,7 +245,7 @@ def run(
         output: folder to write to.
         searches: noise-only searches for each signal.
         trials: searches with a signal, for each C/N0.
-        pfa: false-alarm probability asked for in the noise-only study.
+        pfas: false-alarm probabilities asked for in the noise-only study.
         threads: worker threads; the numbers do not depend on it.
         progress: called with (done, total).
 
@@ -246,16 +253,16 @@ def run(
         What acquisition.json holds.
     """
     plan = {"B1I": np.arange(30.0, 39.5, 1.0), "B1CP": np.arange(26.0, 35.5, 1.0)}
-    total = len(plan) + sum(len(c) for c in plan.values())
+    total = sum(len(c) for c in plan.values())
     alarms: list[PfaResult] = []
     points: list[PdPoint] = []
     for signal, levels in plan.items():
         grid = default_grid(signal)
-        alarms.append(false_alarms(grid, pfa, searches, threads=threads))
+        alarms += false_alarms(grid, pfas, searches, threads=threads)
         for cn0_dbhz in levels:
             points.append(detections(grid, float(cn0_dbhz), trials, threads=threads))
             if progress is not None:
-                progress(len(alarms) + len(points), total)
+                progress(len(points), total)
     result: dict[str, object] = {
         "pfa": [asdict(a) for a in alarms],
         "pd": [asdict(p) for p in points],

@@ -32,11 +32,12 @@ GRIDS = [(Grid("B1I", 10, 4), 63 * 16), (Grid("L1CA", 4, 6), 81 * 12), (Grid("B1
 @pytest.mark.parametrize(("grid", "searches"), GRIDS, ids=lambda g: getattr(g, "signal", ""))
 def test_false_alarms_agree_with_those_asked_for(grid, searches):
     """Within 4 standard errors of a binomial count (1 - 6e-5 confidence)."""
-    pfa = 0.1
-    result = false_alarms(grid, pfa, searches, threads=2)
-    error = math.sqrt(searches * pfa * (1 - pfa))
-    assert result.searches == searches
-    assert abs(result.alarms - searches * pfa) < 4 * error
+    for result in false_alarms(grid, [0.3, 0.1], searches, threads=2):
+        pfa = result.asked
+        error = math.sqrt(searches * pfa * (1 - pfa))
+        assert result.searches == searches
+        assert result.low <= result.alarms / searches <= result.high
+        assert abs(result.alarms - searches * pfa) < 4 * error
 
 
 @pytest.mark.parametrize(
