@@ -10,6 +10,7 @@
 
 mod cancel;
 mod estimate;
+mod lines;
 pub mod replica;
 mod transform;
 
@@ -120,6 +121,7 @@ impl Search {
         let count = (blocks + 1) * period;
         let mut samples = pool.install(|| resampler.run(input.raw, input.first as f64, count));
         normalise(&mut samples)?;
+        lines::limit_lines(&mut samples);
         let span = best_span(blocks);
         let size = (span + 1) * period;
         let mut planner = FftPlanner::new();
