@@ -200,6 +200,7 @@ def _warnings(
     """What looks wrong, in words."""
     dead = sum(bool((s == s[0]).all()) for s in sections)
     checks = [
+        (recording.extra.get("partial") is True, "partial: synthesis was interrupted"),
         (dead > 0, f"{dead} of {len(sections)} examined sections are constant: no signal there"),
         (
             not dead and levels.longest_constant_s * recording.format.sample_rate_hz > 200,
