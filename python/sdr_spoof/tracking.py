@@ -49,7 +49,8 @@ class TrackingConfig(BaseModel):
     main_bandwidth_hz: float = Field(10.0, gt=0, description="main-carrier loop of a combo")
     subcarrier_bandwidth_hz: float = Field(5.0, gt=0, description="subcarrier loop of a combo")
     integration_ms: int = Field(
-        10, description="longest coherent integration, 1, 2, 4, 5, 10 or 20 ms; never beyond a symbol"
+        10,
+        description="longest coherent integration, 1, 2, 4, 5, 10 or 20 ms; never beyond a symbol",
     )
     cn0_min_dbhz: float = Field(25.0, description="below this C/N0 a signal counts as lost")
     qmboc: bool | None = Field(

@@ -92,9 +92,7 @@ def prns_from(arguments: argparse.Namespace) -> list[int] | None:
         try:
             prns |= set(range(int(first), int(last or first) + 1))
         except ValueError as error:
-            raise ConfigError(
-                f"--prns: '{part}' is not a number or a range such as 6-12"
-            ) from error
+            raise ConfigError(f"--prns: '{part}' is neither a number nor a range") from error
     return sorted(prns)
 
 

@@ -72,10 +72,17 @@ def truth(comparison: Sequence[TruthComparison]) -> Table:
     """What was synthesised against what was found, one row per satellite."""
     made = table(
         "Against the truth",
-        *("PRN", "truth", "verdict", "true onset s", "found onset s"),
-        left=["truth", "verdict"],
+        *("PRN", "attacked", "captured s", "dragged from s", "verdict", "band", "onset s"),
+        left=["attacked", "verdict", "band"],
     )
     for c in comparison:
-        onsets = ("-" if s is None else f"{s:.2f}" for s in (c.true_onset_s, c.found_onset_s))
-        made.add_row(str(c.prn), c.truth, c.verdict, *onsets)
+        made.add_row(
+            *(f"{c.system}{c.prn:02d}", ", ".join(c.attacked) or "no"),
+            *(_seconds(c.capture_s), _seconds(c.drag_start_s)),
+            *(c.verdict, c.band or "-", _seconds(c.onset_s)),
+        )
     return made
+
+
+def _seconds(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2f}"
