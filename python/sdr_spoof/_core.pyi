@@ -105,6 +105,7 @@ def search_rate_hz(signal: str) -> float: ...
 def search_peak_shape(signal: str, delays: list[float]) -> tuple[float, list[float]]: ...
 
 # tracking
+@final
 class Tracker:
     def __new__(
         cls,

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .acquisition import acquire
-from .detectors import detect
 from .errors import OutputError
 from .progress import silent
-from .report import write_report
+from .report import TruthMark, write_report
+from .scenario import builtin_scenario, synthesize
 from .sinks.hdf5 import Result, write_result
+from .sources import open_recording
 from .tracking import track
+from .verdict import detect
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,7 +22,7 @@ if TYPE_CHECKING:
 
     from .config import Config
     from .progress import Stages
-    from .records import Acquisition, TrackLog, Verdict
+    from .records import Acquisition, SatelliteVerdict, TrackLog, Verdict
     from .sources import Recording
 
 
@@ -40,11 +43,19 @@ class Processed:
 class TruthComparison:
     """What was synthesised for a satellite against what was found."""
 
+    system: str
     prn: int
-    truth: str
+    attacked: tuple[str, ...]
+    """Signals that the scenario attacks; empty for an untouched satellite."""
+    capture_s: float | None
+    """When the attack first bends the measurements."""
+    drag_start_s: float | None
+    """When the attack begins to pull the code and carrier away."""
     verdict: str
-    true_onset_s: float | None
-    found_onset_s: float | None
+    band: str | None
+    """Signal that the detectors point to."""
+    onset_s: float | None
+    """Onset that the detectors estimate."""
 
 
 @dataclass(frozen=True)
@@ -65,8 +76,11 @@ def process(
     threads: int | None = None,
     force: bool = False,
     stages: Stages = silent,
+    truth: TruthMark | None = None,
 ) -> Processed:
     """Acquire, track, detect, and write ``out/result.h5`` and ``out/report.html``.
+
+    ``truth`` is drawn in the report where it is known; nothing else looks at it.
 
     Raises:
         OutputError: an output exists and ``force`` is not set, or it cannot be written.
@@ -88,7 +102,17 @@ def process(
     verdict = detect(log, config.detection)
     result = Result.of(recording, config, acquisitions=found, log=log, verdict=verdict)
     write_result(result_path, result, force=force)
-    write_report(report_path, recording, found, log, verdict)
+    write_report(
+        report_path,
+        recording=recording,
+        acquisitions=found,
+        log=log,
+        verdict=verdict,
+        detection=config.detection,
+        effective_config=config.model_dump(mode="json"),
+        truth=truth,
+        force=force,
+    )
     return Processed(recording, config, tuple(found), log, verdict, result_path, report_path)
 
 
@@ -117,5 +141,48 @@ def demo(
     force: bool = False,
     stages: Stages = silent,
 ) -> Demo:
-    """Synthesise the demonstration scenario, process it as an unknown recording, compare."""
-    raise NotImplementedError
+    """Synthesise the demonstration scenario, process it as an unknown recording, compare.
+
+    Raises:
+        OutputError: an output exists and ``force`` is not set, or it cannot be written.
+    """
+    prepare(out, ("demo.sigmf-data", "result.h5", "report.html"), force=force)
+    scenario = builtin_scenario("demo")
+    with stages("Synthesising") as progress:
+        files = synthesize(scenario, out / "demo", threads=threads, force=force, progress=progress)
+    truth = json.loads(files.truth.read_text(encoding="utf-8"))
+    processed = process(
+        open_recording(files.meta),
+        config,
+        out=out,
+        threads=threads,
+        force=force,
+        stages=stages,
+        truth=_truth_mark(truth["attacks"]),
+    )
+    rows = (_compare(s, truth["attacks"]) for s in processed.verdict.satellites)
+    return Demo(processed, tuple(rows))
+
+
+def _truth_mark(attacks: list[dict[str, Any]]) -> TruthMark | None:
+    """Mark of the first attack for the report."""
+    if not attacks:
+        return None
+    first = attacks[0]
+    return TruthMark(first["capture_s"], first["system"], first["prn"])
+
+
+def _compare(found: SatelliteVerdict, attacks: list[dict[str, Any]]) -> TruthComparison:
+    mine = [a for a in attacks if (a["system"], a["prn"]) == (found.system, found.prn)]
+    attack = mine[0] if mine else {}
+    alarm = min(found.alarms, key=lambda a: a.alarm_s, default=None)
+    return TruthComparison(
+        system=found.system,
+        prn=found.prn,
+        attacked=tuple(attack.get("signals", ())),
+        capture_s=attack.get("capture_s"),
+        drag_start_s=attack.get("drag_start_s"),
+        verdict=found.verdict,
+        band=alarm.band if alarm else None,
+        onset_s=alarm.onset_s if alarm else None,
+    )

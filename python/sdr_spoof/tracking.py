@@ -1,28 +1,226 @@
-"""Tracking: placeholder of the interface until the stage is merged."""
+"""Tracking: runs the core's loops over a recording and gathers what they recorded.
 
-from collections.abc import Sequence
+The per-sample and per-epoch work is in the Rust core; here the recording is fed block by block,
+and lost signals are searched for again at whole seconds of the recording, so that the result
+does not depend on the size of the blocks.
+"""
 
-from pydantic import BaseModel, ConfigDict
+from __future__ import annotations
 
-from .progress import Progress
-from .records import Acquisition, TrackLog
-from .sources import Recording
+import os
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from . import _core
+from .acquisition import AcquisitionConfig, acquire
+from .errors import ConfigError
+from .records import Acquisition, ComboTrack, SignalTrack, TrackLog
+from .signals import signal_spec
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from .progress import Progress
+    from .sources import Recording
+
+QMBOC_HALF_BANDWIDTH_HZ = 7.161e6
+"""The BOC(6,1) part of the B1C pilot lies 6.138 MHz beside the carrier, one lobe each way."""
 
 
 class TrackingConfig(BaseModel):
-    """Settings of the tracking loops."""
+    """Settings of the tracking loops; bandwidths are single-sided noise bandwidths."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+    pll_bandwidth_hz: float = Field(
+        10.0, gt=0, description="phase-locked loop of a single sideband, once synchronised"
+    )
+    pull_in_pll_bandwidth_hz: float = Field(
+        20.0, gt=0, description="phase-locked loop on 1 ms integrations, before that"
+    )
+    fll_bandwidth_hz: float = Field(
+        20.0, gt=0, description="frequency-locked loop that assists during pull-in"
+    )
+    dll_bandwidth_hz: float = Field(
+        1.0, gt=0, description="carrier-aided code loop, once synchronised"
+    )
+    main_bandwidth_hz: float = Field(10.0, gt=0, description="main-carrier loop of a combo")
+    subcarrier_bandwidth_hz: float = Field(5.0, gt=0, description="subcarrier loop of a combo")
+    integration_ms: int = Field(
+        10,
+        description="longest coherent integration, 1, 2, 4, 5, 10 or 20 ms; never beyond a symbol",
+    )
+    cn0_min_dbhz: float = Field(25.0, description="below this C/N0 a signal counts as lost")
+    qmboc: bool | None = Field(
+        None,
+        description="receive the B1C pilot's BOC(6,1) part too; unset = where the bandwidth allows",
+    )
+    combo: bool = Field(True, description="track B1I and B1C of a satellite jointly")
+    reacquire: bool = Field(True, description="search for lost signals again, each second")
 
 
 def track(
     recording: Recording,
     acquisitions: Sequence[Acquisition],
-    config: TrackingConfig,
+    config: TrackingConfig | None = None,
     *,
     threads: int | None = None,
     block_s: float = 1.0,
     progress: Progress | None = None,
 ) -> TrackLog:
-    """Track."""
-    raise NotImplementedError
+    """Track every detected acquisition from its sample to the end of the recording.
+
+    Args:
+        recording: what to track in.
+        acquisitions: where to start; entries that are not ``detected`` are passed over. All
+            must hold at the same sample.
+        config: loop settings.
+        threads: worker threads, all cores by default; the result does not depend on it.
+        block_s: signal fed to the core at a time; the result does not depend on it.
+        progress: called with seconds done and seconds in all.
+
+    Returns:
+        One :class:`SignalTrack` per acquisition and one :class:`ComboTrack` per satellite with
+        two signals. An interrupt (Ctrl-C) ends tracking early and gives a log marked partial.
+
+    Raises:
+        ConfigError: a setting is out of range, or the acquisitions are of different samples.
+        SignalError: the recording cannot hold a signal.
+        RecordingError: the recording cannot be read.
+    """
+    config = config or TrackingConfig()
+    start, targets = _targets(acquisitions)
+    for signal in sorted({a.signal for a in acquisitions if a.detected}):
+        recording.check_signal(signal)
+    tracker = _tracker(recording, targets, config, start, threads or os.cpu_count() or 1)
+    position, partial = start, False
+    try:
+        for begin, count in _blocks(recording, start, block_s):
+            if config.reacquire and position > start and _is_whole_second(recording, begin):
+                _reacquire(tracker, recording, begin, threads)
+            tracker.feed(recording.read_raw(begin, count))
+            position = begin + count
+            if progress:
+                rate = recording.format.sample_rate_hz
+                progress((position - start) / rate, (recording.sample_count - start) / rate)
+    except KeyboardInterrupt:
+        partial = True
+    return TrackLog(
+        recording=recording.path.name,
+        sample_rate_hz=recording.format.sample_rate_hz,
+        duration_s=(position - start) / recording.format.sample_rate_hz,
+        partial=partial,
+        signals=tuple(SignalTrack(**rows) for rows in tracker.signals()),
+        combos=tuple(ComboTrack(**rows) for rows in tracker.combos()),
+    )
+
+
+def _target(a: Acquisition) -> tuple[str, int, int, float, float]:
+    return (a.signal, a.prn, a.sample_index, a.doppler_hz, a.code_delay_s)
+
+
+def _targets(
+    acquisitions: Sequence[Acquisition],
+) -> tuple[int, list[tuple[str, int, int, float, float]]]:
+    """Sample to start at, and what to track."""
+    found = [a for a in acquisitions if a.detected]
+    starts = {a.sample_index for a in found}
+    if len(starts) > 1:
+        raise ConfigError(
+            f"acquisitions hold at different samples ({min(starts)} to {max(starts)}); "
+            "acquire all of them with the same start_sample"
+        )
+    return min(starts, default=0), [_target(a) for a in found]
+
+
+def _tracker(
+    recording: Recording,
+    targets: list[tuple[str, int, int, float, float]],
+    config: TrackingConfig,
+    start: int,
+    threads: int,
+) -> _core.Tracker:
+    form = recording.format
+    values: dict[str, Any] = config.model_dump(exclude={"reacquire"})
+    if values["qmboc"] is None:
+        values["qmboc"] = _holds_qmboc(recording)
+    try:
+        return _core.Tracker(
+            form.sample_format,
+            form.sample_rate_hz,
+            form.lo_hz,
+            values,
+            targets,
+            conjugate=form.conjugate,
+            float_scale=form.float_scale,
+            start_sample=start,
+            threads=threads,
+        )
+    except ValueError as error:
+        raise ConfigError(str(error)) from error
+
+
+def _holds_qmboc(recording: Recording) -> bool:
+    """Whether the recorded band reaches the BOC(6,1) lobes of the B1C pilot."""
+    form = recording.format
+    offset = abs(signal_spec("B1CP").carrier_hz - form.lo_hz)
+    is_complex = _core.sample_format(form.sample_format)[1]
+    low, high = (-0.5, 0.5) if is_complex else (0.0, 0.5)
+    low, high = low * form.sample_rate_hz, high * form.sample_rate_hz
+    if form.bandwidth_hz is not None:
+        centre = 0.5 * (low + high)
+        low, high = centre - 0.5 * form.bandwidth_hz, centre + 0.5 * form.bandwidth_hz
+    return min(offset - low, high - offset) >= QMBOC_HALF_BANDWIDTH_HZ
+
+
+def _blocks(recording: Recording, start: int, block_s: float) -> Iterator[tuple[int, int]]:
+    """(first sample, count) of the blocks; cut also at whole seconds of the recording."""
+    rate = recording.format.sample_rate_hz
+    size = max(8, round(block_s * rate) // 8 * 8)
+    begin = start
+    while begin < recording.sample_count:
+        second = _second(recording, int(begin / rate) + 1)
+        if second <= begin:
+            second = _second(recording, int(begin / rate) + 2)
+        end = min(begin + size, second, recording.sample_count)
+        yield begin, end - begin
+        begin = end
+
+
+def _second(recording: Recording, number: int) -> int:
+    """First sample of a second of the recording, on a whole byte in any format."""
+    return round(number * recording.format.sample_rate_hz) // 8 * 8
+
+
+def _is_whole_second(recording: Recording, sample: int) -> bool:
+    return sample == _second(recording, round(sample / recording.format.sample_rate_hz))
+
+
+def _reacquire(
+    tracker: _core.Tracker, recording: Recording, sample: int, threads: int | None
+) -> None:
+    """Search near their last Doppler for the signals that are lost at this sample."""
+    for signal, prn, _doppler_hz in tracker.lost():
+        found = acquire(
+            recording,
+            AcquisitionConfig(),
+            signals=[signal],
+            prns=[prn],
+            start_sample=sample,
+            threads=threads,
+        )
+        for acquisition in found:
+            if acquisition.detected and acquisition.signal == signal:
+                tracker.restart(_target(acquisition))
+
+
+def code_phase_residual_m(track: SignalTrack) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Code minus carrier in metres, first value taken as zero; shape (N,)."""
+    spec = signal_spec(track.signal)
+    light = 299_792_458.0
+    code_m = -(track.code_phase_chips / spec.chip_rate_hz - track.time_s) * light
+    carrier_m = track.carrier_phase_cycles * light / spec.carrier_hz
+    residual = code_m - carrier_m
+    return residual - residual[:1]

@@ -52,8 +52,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         # The reader of our output went away: silence the interpreter's own flush at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
-    except KeyboardInterrupt:
-        return _fail(ui, "interrupted", INTERRUPTED)
+    except KeyboardInterrupt as stop:
+        return _fail(ui, f"interrupted: {stop}" if str(stop) else "interrupted", INTERRUPTED)
     except (SdrSpoofError, ValidationError, OSError, MemoryError) as error:
         wrong_usage = isinstance(error, ConfigError | ValidationError)
         return _fail(ui, _message(error), 2 if wrong_usage else 1)

@@ -61,27 +61,21 @@ def add_selection(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def signals_from(arguments: argparse.Namespace, recording: Recording) -> list[str]:
-    """Signals asked for, or all that the recording can hold.
+def signals_from(arguments: argparse.Namespace, recording: Recording) -> list[str] | None:
+    """Signals asked for, or None: acquisition then searches what the recording can hold.
 
     Raises:
-        SignalError: an unknown signal, or one that the recording cannot hold.
+        SignalError: an unknown signal, one that the recording cannot hold, or none that it can.
     """
     if arguments.signals is None:
-        return _all_signals(recording)
+        if not recording.signals():
+            recording.check_signal(signal_ids()[-1])  # raises, and says why
+        return None
     names = [name.strip() for name in arguments.signals.split(",") if name.strip()]
     chosen = list(dict.fromkeys(s for name in names for s in components(name)))
     for signal in chosen:
         recording.check_signal(signal)
     return chosen
-
-
-def _all_signals(recording: Recording) -> list[str]:
-    fitting = recording.signals()
-    if not fitting:
-        for signal in signal_ids():
-            recording.check_signal(signal)  # raises, and says why
-    return fitting
 
 
 def prns_from(arguments: argparse.Namespace) -> list[int] | None:
@@ -98,9 +92,7 @@ def prns_from(arguments: argparse.Namespace) -> list[int] | None:
         try:
             prns |= set(range(int(first), int(last or first) + 1))
         except ValueError as error:
-            raise ConfigError(
-                f"--prns: '{part}' is not a number or a range such as 6-12"
-            ) from error
+            raise ConfigError(f"--prns: '{part}' is neither a number nor a range") from error
     return sorted(prns)
 
 

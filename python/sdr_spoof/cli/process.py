@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from sdr_spoof import config
 
@@ -46,8 +46,10 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
     return outcome(processed, ui)
 
 
-def outcome(processed: Processed, ui: Ui, **more: Any) -> Outcome:
+def outcome(processed: Processed, ui: Ui) -> Outcome:
     """Outcome of a processed recording, shared by ``process`` and ``demo``."""
+    from sdr_spoof.report import print_verdict  # noqa: PLC0415
+
     if processed.log.partial:
         ui.note(f"interrupted: the results are partial, up to {processed.log.duration_s:.3f} s")
     data = {
@@ -65,12 +67,11 @@ def outcome(processed: Processed, ui: Ui, **more: Any) -> Outcome:
     def render(console: Console) -> None:
         console.print(tables.acquisitions(processed.acquisitions))
         console.print(tables.tracks(processed.log.signals))
-        console.print(tables.verdict(processed.verdict))
-        console.print(tables.headline(processed.verdict))
+        print_verdict(processed.verdict, console, processed.config.detection)
         console.print(f"Report: {processed.report_path}", highlight=False, soft_wrap=True)
         console.print(f"Result: {processed.result_path}", highlight=False, soft_wrap=True)
 
-    return Outcome(data | more, render, INTERRUPTED if processed.log.partial else 0)
+    return Outcome(data, render, INTERRUPTED if processed.log.partial else 0)
 
 
 COMMAND = Command(

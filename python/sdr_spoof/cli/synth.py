@@ -29,7 +29,7 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
 
     scenario = load_scenario(arguments.scenario)
     with ui.stages("Synthesising") as progress:
-        meta = synthesize(
+        files = synthesize(
             scenario,
             arguments.output,
             threads=arguments.threads,
@@ -38,9 +38,17 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
         )
 
     def render(console: Console) -> None:
-        console.print(f"Recording written: {meta}", highlight=False)
+        console.print(f"Recording: {files.meta}", highlight=False, soft_wrap=True)
+        console.print(f"Truth:     {files.truth}", highlight=False, soft_wrap=True)
 
-    return Outcome({"recording": meta}, render)
+    data = {
+        "recording": files.meta,
+        "data": files.data,
+        "truth": files.truth,
+        "sample_count": files.sample_count,
+        "duration_s": files.sample_count / scenario.recording.sample_rate_hz,
+    }
+    return Outcome(data, render)
 
 
 COMMAND = Command("synth", "synthesise a recording from a scenario file", _configure, _run)

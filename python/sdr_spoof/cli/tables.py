@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from rich import box
 from rich.table import Table
-from rich.text import Text
 
 from sdr_spoof.records import State
 from sdr_spoof.signals import signal_spec
@@ -15,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from sdr_spoof.pipeline import TruthComparison
-    from sdr_spoof.records import Acquisition, Alarm, SignalTrack, Verdict
+    from sdr_spoof.records import Acquisition, SignalTrack
 
 
 def table(title: str, *columns: str, left: Sequence[str] = ()) -> Table:
@@ -69,49 +68,21 @@ def _track_row(track: SignalTrack) -> tuple[str, ...]:
     )
 
 
-def verdict(found: Verdict) -> Table:
-    """One row per satellite, with its alarms."""
-    made = table(
-        "Verdict",
-        *("PRN", "verdict", "band", "detector", "onset s", "alarm s", "statistic", "threshold"),
-        left=["verdict", "band", "detector"],
-    )
-    for satellite in found.satellites:
-        style = "bold red" if satellite.alarms else None
-        head = (str(satellite.prn), satellite.verdict)
-        for alarm in satellite.alarms or (None,):
-            made.add_row(*head, *_alarm_cells(alarm), style=style)
-            head = ("", "")
-    return made
-
-
-def _alarm_cells(alarm: Alarm | None) -> tuple[str, ...]:
-    if alarm is None:
-        return ("-",) * 6
-    return (
-        *(alarm.band or "cannot tell", alarm.detector),
-        *(f"{alarm.onset_s:.2f}", f"{alarm.alarm_s:.2f}"),
-        *(f"{alarm.statistic:.3g} {alarm.unit}", f"{alarm.threshold:.3g} {alarm.unit}"),
-    )
-
-
-def headline(found: Verdict) -> Text:
-    """The verdict in one line."""
-    spoofed = [s.prn for s in found.satellites if s.alarms]
-    if not found.spoofed:
-        return Text("No spoofing detected. " + found.limits, style="bold green")
-    prns = ", ".join(map(str, spoofed))
-    return Text(f"SPOOFING DETECTED on PRN {prns}. {found.limits}", style="bold red")
-
-
 def truth(comparison: Sequence[TruthComparison]) -> Table:
     """What was synthesised against what was found, one row per satellite."""
     made = table(
         "Against the truth",
-        *("PRN", "truth", "verdict", "true onset s", "found onset s"),
-        left=["truth", "verdict"],
+        *("PRN", "attacked", "captured s", "dragged from s", "verdict", "band", "onset s"),
+        left=["attacked", "verdict", "band"],
     )
     for c in comparison:
-        onsets = ("-" if s is None else f"{s:.2f}" for s in (c.true_onset_s, c.found_onset_s))
-        made.add_row(str(c.prn), c.truth, c.verdict, *onsets)
+        made.add_row(
+            *(f"{c.system}{c.prn:02d}", ", ".join(c.attacked) or "no"),
+            *(_seconds(c.capture_s), _seconds(c.drag_start_s)),
+            *(c.verdict, c.band or "-", _seconds(c.onset_s)),
+        )
     return made
+
+
+def _seconds(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2f}"

@@ -1,23 +1,25 @@
-"""Scenario: placeholder of the interface until the stage is merged."""
+"""Scenarios: who transmits what and when, attacks among them; recordings made from them.
 
-from pathlib import Path
-from typing import Any
+For files only: nothing here drives a transmitter.
+"""
 
-from sdr_spoof.progress import Progress
+from .emitters import Transmission, transmissions
+from .load import builtin_scenario, load_scenario
+from .model import InducedAttack, RecordingPlan, Satellite, Scenario
+from .synthesis import open_synthesizer, synthesize, truth_path
+from .truth import truth
 
-
-def load_scenario(path: Path) -> Any:
-    """Load."""
-    raise NotImplementedError
-
-
-def synthesize(
-    scenario: Any,
-    out: Path,
-    *,
-    threads: int | None = None,
-    force: bool = False,
-    progress: Progress | None = None,
-) -> Path:
-    """Synthesise."""
-    raise NotImplementedError
+__all__ = [
+    "InducedAttack",
+    "RecordingPlan",
+    "Satellite",
+    "Scenario",
+    "Transmission",
+    "builtin_scenario",
+    "load_scenario",
+    "open_synthesizer",
+    "synthesize",
+    "transmissions",
+    "truth",
+    "truth_path",
+]

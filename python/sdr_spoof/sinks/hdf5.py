@@ -9,6 +9,7 @@ Layout: ``/`` holds ``partial`` and ``format_version``; ``/recording`` the forma
 
 from __future__ import annotations
 
+import io
 import json
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import h5py
 
-from sdr_spoof.errors import OutputError, RecordingError
+from sdr_spoof.errors import RecordingError
 from sdr_spoof.records import (
     Acquisition,
     ComboTrack,
@@ -80,13 +81,12 @@ def write_result(path: Path | str, result: Result, *, force: bool = False) -> No
     Raises:
         OutputError: it exists and ``force`` is not set, or it cannot be written (disk full).
     """
-    path = Path(path)
-    with replacing(path, force=force) as temporary:
-        try:
-            with h5py.File(temporary, "w", libver=_LIBVER) as file:
-                _write(file, result)
-        except RuntimeError as error:  # how HDF5 reports a failed flush at closing
-            raise OutputError(f"{path}: cannot be written: {error}") from error
+    # HDF5 crashes the process where a write to disk fails, so the file is made in memory.
+    image = io.BytesIO()
+    with h5py.File(image, "w", libver=_LIBVER) as file:
+        _write(file, result)
+    with replacing(Path(path), force=force) as temporary, temporary.open("wb") as out:
+        out.write(image.getbuffer())
 
 
 def read_result(path: Path | str) -> Result:

@@ -95,7 +95,7 @@ def read_rows(group: h5py.Group, kind: type[Record], **more: Any) -> list[Record
 
 
 def write_verdict(group: h5py.Group, verdict: Verdict) -> None:
-    """Write a verdict: flat tables of satellites and of alarms (joined by PRN)."""
+    """Write a verdict: flat tables of satellites and of alarms (joined by system and PRN)."""
     group.attrs["spoofed"] = verdict.spoofed
     write_text(group, "limits", verdict.limits)
     write_rows(group.create_group("satellites"), SatelliteVerdict, verdict.satellites)
@@ -107,7 +107,9 @@ def read_verdict(group: h5py.Group) -> Verdict:
     """Read what :func:`write_verdict` wrote."""
     alarms = read_rows(group["alarms"], Alarm)
     satellites = (
-        dataclasses.replace(s, alarms=tuple(a for a in alarms if a.prn == s.prn))
+        dataclasses.replace(
+            s, alarms=tuple(a for a in alarms if (a.system, a.prn) == (s.system, s.prn))
+        )
         for s in read_rows(group["satellites"], SatelliteVerdict, alarms=())
     )
     limits = read_text(group["limits"])

@@ -11,6 +11,7 @@ SigMF has no 2-bit samples: those formats exist as raw files only.
 from __future__ import annotations
 
 import json
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -127,7 +128,9 @@ def _load(meta: Path, asked: Path) -> tuple[dict[str, Any], dict[str, Any]]:
         )
     try:
         file = SigMFFile(metadata=json.loads(meta.read_text(encoding="utf-8")))
-        file.validate()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # namespaces that others forgot to declare
+            file.validate()
     except OSError as error:
         raise RecordingError(f"{meta}: cannot be read: {error.strerror}") from error
     except (ValueError, TypeError, KeyError, AttributeError, SigMFError, ValidationError) as error:

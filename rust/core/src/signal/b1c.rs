@@ -139,3 +139,35 @@ const PARAMETERS: [Parameters; 63] = [
     row((455, 7268), (1923, 7160), (1002, 1290)),
     row((4318, 341), (1176, 2277), (1149, 1245)),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn octal(chips: &[i8]) -> String {
+        let value = chips.iter().fold(0u32, |v, &c| v << 1 | u32::from(c < 0));
+        format!("{value:08o}")
+    }
+
+    /// All 63 PRNs, those of the satellites that send no B1C included.
+    #[test]
+    fn codes_match_the_icd_tables() {
+        let table = include_str!("../../../../tests/vectors/icd/b1c.csv");
+        let mut rows = 0;
+        for line in table.lines().skip(1) {
+            let cells: Vec<&str> = line.split(',').collect();
+            let prn: u16 = cells[0].parse().unwrap();
+            let codes = [
+                primary(PARAMETERS[prn as usize - 1].data),
+                (B1CP.primary)(prn),
+                (B1CP.overlay)(prn),
+            ];
+            for (code, expected) in codes.iter().zip(cells[1..].chunks(4)) {
+                assert_eq!(octal(&code[..24]), expected[2], "PRN {prn}");
+                assert_eq!(octal(&code[code.len() - 24..]), expected[3], "PRN {prn}");
+            }
+            rows += 1;
+        }
+        assert_eq!(rows, 63);
+    }
+}

@@ -94,7 +94,7 @@ impl Synthesizer {
                 }),
             }
         }
-        if !(total < MAX_AMPLITUDE) {
+        if total.is_nan() || total > MAX_AMPLITUDE {
             return Err(Error::Invalid(format!(
                 "the emitters' amplitudes add up to {total:.0} times the noise; \
                  the limit is {MAX_AMPLITUDE}"
@@ -217,6 +217,7 @@ impl Synthesizer {
             }
             let phase = band.step.wrapping_mul(at as u64);
             wave::mix(diff, phase, band.step, re, im);
+            diff[count] = 0; // the entry past the samples, which the sum does not reach
         }
     }
 }

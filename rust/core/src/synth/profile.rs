@@ -56,10 +56,10 @@ impl Profile {
 
     /// Integral from time 0 to `t` seconds.
     pub fn integral(&self, t: f64) -> f64 {
-        self.from_first_knot(t) - self.from_first_knot(0.0)
+        self.area_since_first_knot(t) - self.area_since_first_knot(0.0)
     }
 
-    fn from_first_knot(&self, t: f64) -> f64 {
+    fn area_since_first_knot(&self, t: f64) -> f64 {
         let Some(&(first, value)) = self.knots.first() else {
             return 0.0;
         };

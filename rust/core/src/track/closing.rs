@@ -7,15 +7,19 @@ use super::log::State;
 use super::sideband::{Epoch, Measured, Sideband, Sync};
 use crate::C64;
 
-/// Frequency lock alone for this long, then phase lock with it, s.
-const FLL_ALONE_S: f64 = 0.03;
-/// Pull-in is judged no earlier than the first and given up after the second, s.
-const PULL_IN_S: (f64, f64) = (0.06, 2.0);
+/// Frequency lock alone for this long, then phase lock with a little of it, s.
+const FLL_ALONE_S: f64 = 0.025;
+/// Share of the frequency loop's bandwidth that assists the phase loop.
+const ASSIST: f64 = 0.1;
+/// Phase lock is judged after this, s.
+const JUDGED_S: f64 = 0.03;
+/// Pull-in is given up after this, s.
+const PULL_IN_S: f64 = 2.0;
 /// Phase-lock indicators that count as locked, and as lost.
-const LOCKED: f64 = 0.3;
-const UNLOCKED: f64 = 0.15;
+const LOCKED: f64 = 0.7;
+const UNLOCKED: f64 = 0.3;
 /// Lock must have been judged for this long before it can be lost, s.
-const GRACE_S: f64 = 0.2;
+const GRACE_S: f64 = 0.3;
 
 impl Sideband {
     /// Reads the carrier and code discriminators, without touching the loops.
@@ -53,19 +57,22 @@ impl Sideband {
         let measured = self.measure(epoch);
         let prompt = epoch.taps[self.taps.prompt];
         let interval = epoch.interval_s();
-        if let Some(previous) = self.previous.replace(prompt) {
-            let bandwidth = match self.state {
-                State::PullIn => self.config.fll_bandwidth_hz,
-                State::Tracking => 0.1 * self.config.fll_bandwidth_hz,
-                _ => 0.0,
-            };
+        let previous = self.previous.replace(prompt);
+        let alone = self.state == State::PullIn && self.in_state_s < FLL_ALONE_S;
+        if let Some(previous) = previous.filter(|_| self.state == State::PullIn) {
+            let share = if alone { 1.0 } else { ASSIST };
+            let error = disc::frequency(previous, prompt, interval);
             self.carrier
-                .assist(disc::frequency(previous, prompt, interval), bandwidth);
+                .assist(error, share * self.config.fll_bandwidth_hz);
         }
-        let doppler = if self.state == State::PullIn && self.in_state_s < FLL_ALONE_S {
-            self.carrier.rate
-        } else {
+        let doppler = if !alone {
             self.carrier.update(measured.phase_error)
+        } else {
+            if self.in_state_s + interval >= FLL_ALONE_S {
+                // The phase loop starts where the phase is: it need not swing in.
+                self.correlator.shift_carrier(measured.phase_error);
+            }
+            self.carrier.rate
         };
         self.finish(epoch, &measured, doppler, self.state);
     }
@@ -101,9 +108,12 @@ impl Sideband {
         let prompt = epoch.taps[self.taps.prompt];
         let interval = epoch.interval_s();
         self.cn0.add_prompt(prompt, interval);
-        self.lock.add(prompt, interval);
+        if self.state != State::PullIn || self.in_state_s >= FLL_ALONE_S {
+            self.lock
+                .add(prompt, self.cn0.noise_power(interval), interval);
+        }
         let lost = match self.state {
-            State::PullIn => self.in_state_s > PULL_IN_S.1,
+            State::PullIn => self.in_state_s > PULL_IN_S,
             State::Lost => false,
             _ => {
                 self.in_state_s > GRACE_S
@@ -119,7 +129,7 @@ impl Sideband {
     fn promote(&mut self, prompt: C64) {
         match self.state {
             State::PullIn
-                if self.in_state_s >= PULL_IN_S.0
+                if self.lock.elapsed_s() >= JUDGED_S
                     && self.lock.value() > LOCKED
                     && self.cn0.dbhz() > self.config.cn0_min_dbhz =>
             {

@@ -98,11 +98,11 @@ impl Cn0 {
     }
 }
 
-/// Phase lock: mean of cos(2 phase error), weighted by power; 1 locked, 0 not.
+/// Phase lock: mean of cos(2 phase error), noise removed; 1 locked, 0 not, -1 a quarter off.
 #[derive(Debug, Clone)]
 pub struct PhaseLock {
     aligned: RunningMean,
-    total: RunningMean,
+    signal: RunningMean,
 }
 
 impl PhaseLock {
@@ -110,21 +110,21 @@ impl PhaseLock {
     pub fn new(memory_s: f64) -> Self {
         PhaseLock {
             aligned: RunningMean::new(memory_s),
-            total: RunningMean::new(memory_s),
+            signal: RunningMean::new(memory_s),
         }
     }
 
-    /// Adds a prompt.
-    pub fn add(&mut self, prompt: C64, interval_s: f64) {
+    /// Adds a prompt, and the mean noise power in it.
+    pub fn add(&mut self, prompt: C64, noise_power: f64, interval_s: f64) {
         self.aligned
             .add(prompt.re * prompt.re - prompt.im * prompt.im, interval_s);
-        self.total.add(prompt.norm_sqr(), interval_s);
+        self.signal.add(prompt.norm_sqr() - noise_power, interval_s);
     }
 
     /// The indicator in [-1, 1]; 0 while empty.
     pub fn value(&self) -> f64 {
-        if self.total.value() > 0.0 {
-            self.aligned.value() / self.total.value()
+        if self.signal.value() > 0.0 {
+            (self.aligned.value() / self.signal.value()).clamp(-1.0, 1.0)
         } else {
             0.0
         }
@@ -132,6 +132,6 @@ impl PhaseLock {
 
     /// Seconds added.
     pub fn elapsed_s(&self) -> f64 {
-        self.total.elapsed_s()
+        self.signal.elapsed_s()
     }
 }

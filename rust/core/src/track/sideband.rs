@@ -271,9 +271,10 @@ impl Sideband {
         self.partial = None;
         self.previous = None;
         let c = &self.config;
-        let (length, pll, dll, memory) = match state {
+        let (length, order, pll, dll, memory) = match state {
             State::Lost | State::PullIn => (
                 1,
+                2,
                 c.pull_in_pll_bandwidth_hz,
                 2.0 * c.dll_bandwidth_hz,
                 0.05,
@@ -285,10 +286,11 @@ impl Sideband {
                 } else {
                     c.pull_in_pll_bandwidth_hz
                 };
-                (length, pll, 2.0 * c.dll_bandwidth_hz, 0.2)
+                (length, 3, pll, 2.0 * c.dll_bandwidth_hz, 0.2)
             }
             State::Synced | State::Combo => (
                 self.synced_length(),
+                3,
                 c.pll_bandwidth_hz,
                 c.dll_bandwidth_hz,
                 0.2,
@@ -297,8 +299,8 @@ impl Sideband {
         self.length = length;
         let interval = length as f64 * SLICE_S;
         self.lock = PhaseLock::new(memory);
-        self.carrier = LoopFilter::new(3, pll, interval)
-            .starting(self.carrier.rate, self.carrier.acceleration);
+        // A wide loop's acceleration is mostly noise: the narrow one starts without.
+        self.carrier = LoopFilter::new(order, pll, interval).starting(self.carrier.rate, 0.0);
         self.code = LoopFilter::new(1, dll, interval);
     }
 

@@ -1,0 +1,196 @@
+"""From a scenario to a recording on disk, with its truth beside it."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from sdr_spoof import _core
+from sdr_spoof.errors import OutputError
+from sdr_spoof.sources import RecordingFormat
+from sdr_spoof.sources.sigmf_file import DATA, META, write_meta
+
+from .emitters import transmissions
+from .truth import truth
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from sdr_spoof._core import Synthesizer
+    from sdr_spoof.progress import Progress
+
+    from .model import RecordingPlan, Scenario
+
+_BLOCK_S = 0.25
+_GRID = 16384
+"""Blocks are whole numbers of the synthesis's segments: nothing is computed twice."""
+
+
+def open_synthesizer(scenario: Scenario, threads: int | None = None) -> Synthesizer:
+    """The generator of a scenario's samples.
+
+    Args:
+        scenario: what to synthesise.
+        threads: threads to use; None for one per core. The samples do not depend on it.
+    """
+    plan = scenario.recording
+    return _core.Synthesizer(
+        plan.sample_format,
+        plan.sample_rate_hz,
+        plan.lo_hz,
+        [t.emitter for t in transmissions(scenario)],
+        noise_rms_lsb=plan.rms_lsb,
+        seed=plan.seed,
+        bandwidth_hz=plan.bandwidth_hz,
+        centre_hz=plan.front_end_centre_hz,
+        filter_taps=plan.filter_taps,
+        threads=threads or 0,
+    )
+
+
+def synthesize(
+    scenario: Scenario,
+    out: Path | str,
+    *,
+    threads: int | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> Path:
+    """Write ``<out>.sigmf-data``, ``<out>.sigmf-meta`` and ``<out>.truth.json``.
+
+    2-bit samples, which SigMF does not know, go to ``<out>.bin`` with ``<out>.bin.toml``. Ctrl-C
+    leaves a valid, shorter recording, marked partial in its metadata and truth; KeyboardInterrupt
+    is raised on once it is in place.
+
+    Args:
+        scenario: what to synthesise.
+        out: path of the recording, with or without ``.sigmf-data`` or ``.sigmf-meta``.
+        threads: threads to use; None for one per core.
+        force: replace existing files.
+        progress: called with (samples done, samples in all).
+
+    Returns:
+        The metadata file (SigMF, or the TOML sidecar of 2-bit samples), for ``open_recording``.
+
+    Raises:
+        OutputError: files exist already, the folder is missing, or the disk is full.
+    """
+    files = _Files(_stem(Path(out)), scenario.recording)
+    if not force:
+        files.check_absent()
+    synthesizer = open_synthesizer(scenario, threads)
+    try:
+        done = _write_samples(synthesizer, scenario.recording, files.partial, progress)
+        if done:
+            files.finish(scenario, done)
+    except OSError as error:
+        files.partial.unlink(missing_ok=True)
+        if isinstance(error, OutputError):
+            raise
+        raise OutputError(
+            f"{files.data}: cannot be written: {error.strerror or error}; nothing was kept"
+        ) from error
+    if done < scenario.recording.sample_count:
+        files.partial.unlink(missing_ok=True)
+        raise KeyboardInterrupt(f"{done} samples kept in {files.data}, marked partial")
+    return files.meta
+
+
+def truth_path(recording: Path | str) -> Path:
+    """Path of the truth beside a synthetic recording, named by any of its files."""
+    return _with(_stem(Path(recording)), ".truth.json")
+
+
+class _Files:
+    """Names of the output files."""
+
+    def __init__(self, stem: Path, plan: RecordingPlan) -> None:
+        raw = plan.bits_per_sample < 8
+        self.stem = stem
+        self.data = _with(stem, ".bin" if raw else DATA)
+        self.meta = _with(stem, ".bin.toml" if raw else META)
+        self.truth = _with(stem, ".truth.json")
+        self.partial = _with(stem, ".part")
+        self._raw = raw
+
+    def check_absent(self) -> None:
+        for path in (self.data, self.meta, self.truth):
+            if path.exists():
+                raise OutputError(f"{path}: exists already; give another name or use --force")
+
+    def finish(self, scenario: Scenario, count: int) -> None:
+        """Metadata and truth, then the data under its own name: complete or not there."""
+        plan = scenario.recording
+        partial = count < plan.sample_count
+        shared = {"sample_format", "sample_rate_hz", "lo_hz", "bandwidth_hz"}
+        format = RecordingFormat.model_validate(plan.model_dump(include=shared))
+        if self._raw:
+            self.meta.write_text(_sidecar(format, partial), encoding="utf-8")
+        else:
+            write_meta(self.stem, format, {"synthetic": True, "partial": partial})
+        text = json.dumps(truth(scenario, sample_count=count))
+        self.truth.write_text(text + "\n", encoding="utf-8")
+        os.replace(self.partial, self.data)
+
+
+def _write_samples(
+    synthesizer: Synthesizer,
+    plan: RecordingPlan,
+    path: Path,
+    progress: Progress | None,
+) -> int:
+    """Streams samples to a file; stops at Ctrl-C. Returns the number of samples written."""
+    total = plan.sample_count
+    block = max(1, round(_BLOCK_S * plan.sample_rate_hz / _GRID)) * _GRID
+    _check_space(path, total * plan.bits_per_sample // 8)
+    done = 0
+    with path.open("wb", buffering=0) as file:
+        try:
+            while done < total:
+                count = min(block, total - done)
+                _write_all(file.write, synthesizer.generate(done, count).data)
+                done += count
+                if progress is not None:
+                    progress(done, total)
+        except KeyboardInterrupt:
+            file.truncate(done * plan.bits_per_sample // 8)
+    return done
+
+
+def _write_all(write: Callable[[memoryview], int | None], data: memoryview) -> None:
+    """An unbuffered write may take only a part."""
+    while data:
+        data = data[write(data) or 0 :]
+
+
+def _check_space(path: Path, size: int) -> None:
+    folder = path.parent
+    if not folder.is_dir():
+        raise OutputError(f"{folder}: no such folder; create it first")
+    free = shutil.disk_usage(folder).free
+    if size > free:
+        raise OutputError(
+            f"{path.parent}: the disk is full: the recording needs {size / 1e9:.2f} GB, "
+            f"{free / 1e9:.2f} GB are free; free some space or shorten duration_s"
+        )
+
+
+def _stem(out: Path) -> Path:
+    name = out.name
+    for suffix in (DATA, META, ".bin.toml", ".bin"):
+        name = name.removesuffix(suffix)
+    return out.with_name(name)
+
+
+def _with(stem: Path, suffix: str) -> Path:
+    return stem.with_name(stem.name + suffix)
+
+
+def _sidecar(format: RecordingFormat, partial: bool) -> str:
+    fields = format.model_dump(exclude_none=True, exclude_defaults=True)
+    lines = [f"{k} = {json.dumps(v)}" for k, v in fields.items()]
+    comment = "# partial: synthesis was interrupted\n" if partial else ""
+    return comment + "[recording]\n" + "\n".join(lines) + "\n"

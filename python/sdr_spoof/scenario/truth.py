@@ -1,0 +1,106 @@
+"""The truth beside a recording: what was really sent, for comparison and never for detection.
+
+Every quantity is that of the synthesis itself, asked at the times of the table:
+
+- ``code_delay_s``: the received code phase is ``chip_rate (t - code_delay_s)`` chips, chip 0 of
+  code period 0, secondary chip 0 and symbol 0 starting at phase 0;
+- ``carrier_phase_cycles``: carrier phase in the RINEX sense (grows as range grows): minus the
+  received phase over the nominal carrier, at the component's own zero (the 0.25 cycle of the B1C
+  pilot is not in it); the phase in the file is ``(carrier - lo_hz) t - carrier_phase_cycles``;
+- ``doppler_hz``: positive when approaching;
+- ``cn0_dbhz``: of the component, null while off the air.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sdr_spoof.signals import components, signal_spec
+
+from .attacks import capture_time_s, drag_offset_hz
+from .emitters import Transmission, transmissions
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from .model import InducedAttack, Scenario
+
+INTERVAL_S = 0.1
+"""Spacing of the table."""
+_MAX_ROWS = 1000
+"""Longer recordings get a wider spacing."""
+
+
+def truth(scenario: Scenario, *, sample_count: int | None = None) -> dict[str, Any]:
+    """The truth as a JSON-ready dict.
+
+    Args:
+        scenario: what was synthesised.
+        sample_count: samples really written, if fewer than planned.
+    """
+    plan = scenario.recording
+    count = plan.sample_count if sample_count is None else sample_count
+    duration_s = count / plan.sample_rate_hz
+    interval_s = max(INTERVAL_S, duration_s / _MAX_ROWS)
+    rows = int(duration_s / interval_s + 1e-9) + 1
+    time_s = np.arange(rows, dtype=np.float64) * np.float64(interval_s)
+    return {
+        "title": scenario.title,
+        "sample_count": count,
+        "partial": count < plan.sample_count,
+        "interval_s": interval_s,
+        "definitions": __doc__,
+        "attacks": [_attack(a) for a in scenario.attack],
+        "time_s": _rounded(time_s, 9),
+        "emitters": [_emitter(t, time_s) for t in transmissions(scenario)],
+        "scenario": scenario.model_dump(),
+    }
+
+
+def _attack(attack: InducedAttack) -> dict[str, Any]:
+    """Timeline of an attack. The first visible effect is near ``capture_s``."""
+    parts = [c for s in attack.signals for c in components(s)]
+    full = None if attack.drag_start_s is None else attack.drag_start_s + attack.drag_ramp_s
+    return {
+        "kind": attack.kind,
+        "system": attack.system,
+        "prn": attack.prn,
+        "signals": list(attack.signals),
+        "components": parts,
+        "start_s": attack.start_s,
+        "power_ramp_start_s": attack.ramp_start_s,
+        "power_ramp_end_s": attack.ramp_end_s,
+        "capture_s": capture_time_s(attack),
+        "drag_start_s": attack.drag_start_s,
+        "drag_full_s": full,
+        "end_s": attack.end_s,
+        "power_db": attack.power_db,
+        "drag_rate_m_s": attack.drag_rate_m_s,
+        "carrier_offset_hz": {c: drag_offset_hz(attack, signal_spec(c).carrier_hz) for c in parts},
+    }
+
+
+def _emitter(t: Transmission, time_s: NDArray[np.float64]) -> dict[str, Any]:
+    chips = t.emitter.code_phase_chips(time_s)
+    cn0_dbhz = t.emitter.cn0_dbhz(time_s)
+    return {
+        "role": t.role,
+        "system": t.system,
+        "prn": t.prn,
+        "signal": t.signal,
+        "composite": t.composite,
+        "data_seed": t.data_seed,
+        "start_s": t.start_s,
+        "end_s": t.end_s,
+        "code_delay_s": _rounded(time_s - chips / signal_spec(t.signal).chip_rate_hz, 15),
+        "carrier_phase_cycles": _rounded(-t.emitter.received_phase_cycles(time_s), 6),
+        "doppler_hz": _rounded(t.emitter.doppler_hz(time_s), 6),
+        "cn0_dbhz": [round(v, 4) if math.isfinite(v) else None for v in cn0_dbhz.tolist()],
+    }
+
+
+def _rounded(values: NDArray[np.float64], digits: int) -> list[float]:
+    return [round(v, digits) for v in values.tolist()]

@@ -1,0 +1,92 @@
+//! The output is a pure function of the sample index.
+
+use sdr_spoof_core::synth::{Emitter, Filter, Profile, SynthConfig, Synthesizer};
+
+use crate::reference::{config, emitter};
+
+fn scene() -> Vec<Emitter> {
+    let ramp = Profile::new(vec![(0.0, -10.0), (1.0, 5.0)]).unwrap();
+    let mut emitters = Vec::new();
+    for (signal, prn) in [("B1I", 19), ("B1CD", 27), ("B1CP", 27)] {
+        emitters.push(Emitter {
+            delay_s: 0.0712,
+            doppler_hz: 1234.5,
+            data_seed: Some(3),
+            power_db: ramp.clone(),
+            start_s: 0.0003,
+            ..emitter(signal, prn, 55.0)
+        });
+    }
+    emitters
+}
+
+fn with_filter(format: &str, threads: usize) -> Synthesizer {
+    let mut config = SynthConfig {
+        noise: true,
+        threads,
+        ..config(format, 120e6, 1538.259e6)
+    };
+    let complex = config.format.is_complex();
+    let centre = if complex { 0.0833 } else { 0.25 };
+    config.noise_rms_lsb = if format.ends_with('2') { 2.0 } else { 16.0 };
+    config.filter = Some(Filter::new(centre, 0.4, 63, complex).unwrap());
+    if complex {
+        config.lo_hz = 1560e6;
+    }
+    Synthesizer::new(config, scene()).unwrap()
+}
+
+#[test]
+fn neither_cuts_nor_threads_matter() {
+    for format in ["ri8", "ci8", "ri16", "cf32", "r2", "c2"] {
+        let one = with_filter(format, 1);
+        let three = with_filter(format, 3);
+        for origin in [0u64, (1 << 35) + 4] {
+            let count = 100_000;
+            let whole = one.generate(origin, count).unwrap();
+            assert!(
+                whole == three.generate(origin, count).unwrap(),
+                "{format}: threads"
+            );
+            let mut joined = Vec::new();
+            let mut at = 0;
+            for length in [4, 120, 16_384, 30_000, 36, 53_456] {
+                joined.extend(three.generate(origin + at, length).unwrap());
+                at += length as u64;
+            }
+            assert_eq!(at, count as u64);
+            assert!(joined == whole, "{format}: cuts");
+        }
+    }
+}
+
+#[test]
+fn another_seed_is_another_noise() {
+    let make = |seed| {
+        let config = SynthConfig {
+            noise: true,
+            seed,
+            noise_rms_lsb: 16.0,
+            ..config("ri8", 1e6, 0.0)
+        };
+        Synthesizer::new(config, vec![])
+            .unwrap()
+            .generate(0, 1000)
+            .unwrap()
+    };
+    assert_eq!(make(1), make(1));
+    assert_ne!(make(1), make(2));
+}
+
+#[test]
+fn two_bit_samples_begin_on_a_byte() {
+    let synth = with_filter("r2", 1);
+    assert!(synth
+        .generate(2, 4)
+        .unwrap_err()
+        .to_string()
+        .contains("whole byte"));
+    assert!(synth.generate(4, 3).is_err());
+    assert_eq!(with_filter("c2", 1).generate(2, 2).unwrap().len(), 1);
+    assert!(synth.generate(4, 0).unwrap().is_empty());
+}

@@ -1,0 +1,200 @@
+//! Noise-free output, sample by sample, against the formula.
+
+use num_complex::Complex64;
+use sdr_spoof_core::synth::{Emitter, Profile, SynthConfig, Synthesizer};
+
+use crate::reference::{amplitude, config, emitter, samples, Reference};
+
+/// Compares `count` samples from `start`: every sample away from a code edge within 2 % of the
+/// amplitude, and amplitude and phase over all of them much closer.
+fn compare(config: &SynthConfig, e: &Emitter, start: u64, count: usize) {
+    compare_off_edges(config, e, start, count, 1e-5);
+}
+
+fn compare_off_edges(
+    config: &SynthConfig,
+    e: &Emitter,
+    start: u64,
+    count: usize,
+    tolerance_chips: f64,
+) {
+    let synth = Synthesizer::new(config.clone(), vec![e.clone()]).unwrap();
+    let x = samples(config, &synth.generate(start, count).unwrap());
+    let reference = Reference::new(e, config);
+    let (mut cross, mut power, mut edges) = (Complex64::ZERO, 0.0, 0);
+    let complex = config.format.is_complex();
+    for (k, &value) in x.iter().enumerate() {
+        let index = start + k as u64;
+        let level = e.cn0_at_dbhz(index as f64 / config.sample_rate_hz);
+        let (replica, edge) = reference.sample(index);
+        let replica = replica * amplitude(config, level);
+        let expected = if complex {
+            replica
+        } else {
+            Complex64::new(replica.re, 0.0)
+        };
+        if edge < tolerance_chips {
+            edges += 1; // either side of the edge is right
+        } else {
+            let error = (value - expected).norm();
+            assert!(
+                error < 0.02 * amplitude(config, e.cn0_dbhz),
+                "{} sample {index}: {value} instead of {expected}",
+                e.signal.id
+            );
+        }
+        cross += value * replica.conj() * if complex { 1.0 } else { 2.0 };
+        power += replica.norm_sqr();
+    }
+    assert!(
+        edges < 100 + count / 1000,
+        "{edges} samples on edges of {count}"
+    );
+    let ratio = cross / power;
+    // 0.002 dB and 0.0002 cycle; a real product leaves a rest at twice the frequency.
+    assert!(
+        (ratio.norm() - 1.0).abs() < if complex { 2e-4 } else { 2e-3 },
+        "{ratio}"
+    );
+    assert!(
+        ratio.arg().abs() < 0.0002 * std::f64::consts::TAU * if complex { 1.0 } else { 5.0 },
+        "{ratio}"
+    );
+}
+
+fn moving(signal: &str, prn: u16) -> Emitter {
+    Emitter {
+        delay_s: 0.073_412_345,
+        phase_cycles: 0.3,
+        doppler_hz: -1723.4,
+        doppler_rate_hz_s: 0.7,
+        data_seed: Some(9),
+        ..emitter(signal, prn, 50.0)
+    }
+}
+
+#[test]
+fn every_signal_real_and_complex() {
+    for (signal, prn) in [
+        ("B1I", 19),
+        ("B1I", 3),
+        ("B1CD", 27),
+        ("B1CP", 40),
+        ("L1CA", 5),
+    ] {
+        let e = moving(signal, prn);
+        // Starts before the first code period and crosses secondary chips and symbols.
+        compare(&config("cf32", 25e6, 1568.259e6), &e, 12_345, 1_500_000);
+        compare(&config("rf32", 60e6, 1550e6), &e, 600_001, 1_500_000);
+    }
+}
+
+#[test]
+fn far_into_a_recording() {
+    for (signal, prn) in [("B1I", 19), ("B1CP", 40)] {
+        let e = Emitter {
+            doppler_rate_hz_s: 0.01,
+            ..moving(signal, prn)
+        };
+        compare(&config("cf32", 25e6, 1568.259e6), &e, 1 << 35, 400_000);
+    }
+}
+
+#[test]
+fn any_delay() {
+    for delay_s in [-7.3, -0.0051, 0.0, 3.0e-9, 19.2] {
+        for (signal, prn) in [("B1I", 30), ("B1CP", 30)] {
+            let e = Emitter {
+                delay_s,
+                ..moving(signal, prn)
+            };
+            compare(&config("cf32", 20e6, 1568.259e6), &e, 0, 300_000);
+        }
+    }
+}
+
+#[test]
+fn profiles_of_power_code_and_carrier() {
+    let profile = |knots: &[(f64, f64)]| Profile::new(knots.to_vec()).unwrap();
+    let e = Emitter {
+        power_db: profile(&[(0.01, -3.0), (0.05, 1.0)]),
+        code_offset_m: profile(&[(0.0, 3.0), (0.03, 0.0), (0.06, -2.0)]),
+        carrier_offset_hz: profile(&[(0.01, 0.0), (0.04, 40.0), (0.05, -10.0)]),
+        ..moving("B1CD", 27)
+    };
+    // A knot inside a segment is cut straight: 2 cm here.
+    compare_off_edges(&config("cf32", 25e6, 1568.259e6), &e, 0, 2_000_000, 1e-4);
+}
+
+#[test]
+fn on_and_off_at_the_sample() {
+    let config = config("rf32", 20e6, 1555e6);
+    let e = Emitter {
+        start_s: 0.001,
+        end_s: 0.002,
+        ..moving("B1I", 19)
+    };
+    let synth = Synthesizer::new(config.clone(), vec![e]).unwrap();
+    let x = samples(&config, &synth.generate(0, 60_000).unwrap());
+    let on: Vec<usize> = (0..60_000).filter(|&k| x[k].re != 0.0).collect();
+    assert_eq!((on[0], on[on.len() - 1]), (20_000, 39_999));
+}
+
+#[test]
+fn emitters_add_up() {
+    let config = config("cf32", 25e6, 1568.259e6);
+    let a = moving("B1CP", 27);
+    let opposite = Emitter {
+        phase_cycles: a.phase_cycles + 0.5,
+        ..a.clone()
+    };
+    let other = moving("B1I", 19);
+    let make = |e: Vec<Emitter>| {
+        let synth = Synthesizer::new(config.clone(), e).unwrap();
+        samples(&config, &synth.generate(0, 100_000).unwrap())
+    };
+    let residue = make(vec![a.clone(), opposite]);
+    assert!(residue.iter().all(|v| v.norm() < 1e-4));
+    let (x, y, both) = (
+        make(vec![a.clone()]),
+        make(vec![other.clone()]),
+        make(vec![a, other]),
+    );
+    for k in 0..x.len() {
+        assert!((x[k] + y[k] - both[k]).norm() < 1e-5);
+    }
+}
+
+#[test]
+fn pilot_and_data_are_in_quadrature() {
+    // BDS-SIS-ICD-B1C-1.0 section 4.2.1: the BOC(1,1) part of the pilot leads the data by 90
+    // degrees, its BOC(6,1) part is in phase with the data.
+    let config = config("cf32", 50e6, 1575.42e6);
+    let one = |signal: &str| {
+        let synth = Synthesizer::new(config.clone(), vec![emitter(signal, 27, 50.0)]).unwrap();
+        samples(&config, &synth.generate(0, 500_000).unwrap())
+    };
+    let (data, pilot) = (one("B1CD"), one("B1CP"));
+    let a = amplitude(&config, 50.0);
+    assert!(data.iter().all(|v| v.im == 0.0));
+    for v in &pilot {
+        assert!((v.im.abs() - a * (29.0f64 / 33.0).sqrt()).abs() < 1e-4 * a);
+        assert!((v.re.abs() - a * (4.0f64 / 33.0).sqrt()).abs() < 1e-4 * a);
+    }
+}
+
+#[test]
+fn what_cannot_be_made_is_refused() {
+    let refused = |e: Emitter, lo_hz: f64| {
+        let error = Synthesizer::new(config("ri8", 60e6, lo_hz), vec![e]).err();
+        error.map(|e| e.to_string()).unwrap_or_default()
+    };
+    assert!(refused(emitter("B1I", 19, 45.0), 1600e6).contains("outside the sampled band"));
+    assert!(refused(emitter("B1CP", 3, 45.0), 1550e6).contains("no PRN 3"));
+    assert!(refused(emitter("B1I", 19, 190.0), 1550e6).contains("amplitudes"));
+    let e = Emitter {
+        doppler_hz: f64::NAN,
+        ..emitter("B1I", 19, 45.0)
+    };
+    assert!(refused(e, 1550e6).contains("doppler_hz"));
+}
