@@ -6,8 +6,9 @@ blind and B1C only near the Doppler of the satellites found, but over the whole 
 spoofed B1C need not line up with B1I.
 
 Strong signals can exceed the threshold with other satellites' codes (cross-correlation, up to
--21 dB for C/A). Detections are therefore confirmed in samples from which the much stronger ones
-have been taken out.
+-21 dB for C/A). Weak detections are therefore confirmed in samples from which the strong ones
+have been taken out. Codes of the same family that are not registered (QZSS L1S) stay and limit
+C/A: sums longer than the default find their cross-correlations, at 30 to 34 dB-Hz.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -27,8 +28,7 @@ from .records import Acquisition
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    import numpy as np
-    from numpy.typing import NDArray
+    from .sources import Recording
 
     Progress = Callable[[float, float], None]
 
@@ -51,80 +51,38 @@ class AcquisitionConfig(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     pfa: float = Field(
-        1e-5,
+        default=1e-5,
         gt=0,
         lt=0.5,
         description="false-alarm probability of the search for one PRN, over its whole grid of "
         "code delay and Doppler; a recording has one such search per signal and PRN",
     )
     doppler_max_hz: float = Field(
-        5000.0, gt=0, le=100e3, description="largest Doppler searched, receiver offset included"
+        default=5000.0,
+        gt=0,
+        le=100e3,
+        description="largest Doppler searched, receiver offset included",
     )
     blocks_short: int = Field(
-        20,
+        default=20,
         ge=1,
         le=1000,
         description="non-coherent sums of one code period for codes of 1 ms (B1I, L1CA)",
     )
     blocks_long: int = Field(
-        5,
+        default=5,
         ge=1,
         le=1000,
         description="non-coherent sums of one code period for codes of 10 ms (B1C)",
     )
     handover: bool = Field(
-        True,
+        default=True,
         description="search B1C only near the Doppler of satellites found on B1I, where the "
         "recording holds both; false searches both blind",
     )
     handover_doppler_hz: float = Field(
-        250.0, gt=0, description="half width of the Doppler range searched after a handover"
+        default=250.0, gt=0, description="half width of the Doppler range searched after a handover"
     )
-
-
-class Source(Protocol):
-    """What acquisition needs of a recording (see sdr_spoof.sources.Recording)."""
-
-    @property
-    def format(self) -> Format:
-        """How samples are stored."""
-
-    @property
-    def sample_count(self) -> int:
-        """Whole samples."""
-
-    def read_raw(self, start: int, count: int) -> NDArray[np.uint8]:
-        """Bytes of ``count`` samples from ``start`` on."""
-
-    def check_signal(self, signal: str) -> None:
-        """Raise SignalError if the recording cannot hold the signal."""
-
-    def signals(self) -> list[str]:
-        """Signals that it can hold."""
-
-
-class Format(Protocol):
-    """What acquisition needs of a recording's format."""
-
-    @property
-    def sample_format(self) -> str:
-        """Name of the sample format."""
-
-    @property
-    def sample_rate_hz(self) -> float:
-        """Samples per second."""
-
-    @property
-    def lo_hz(self) -> float:
-        """Radio frequency at 0 Hz in the file."""
-
-    @property
-    def conjugate(self) -> bool:
-        """Whether the file holds I - jQ."""
-
-    @property
-    def float_scale(self) -> float:
-        """Factor of float formats."""
 
 
 @dataclass(frozen=True)
@@ -140,7 +98,7 @@ class _Plan:
 
 
 def acquire(
-    recording: Source,
+    recording: Recording,
     config: AcquisitionConfig,
     *,
     signals: Sequence[str] | None = None,
@@ -190,7 +148,7 @@ def _processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _ordered(recording: Source, signals: Sequence[str] | None) -> list[str]:
+def _ordered(recording: Recording, signals: Sequence[str] | None) -> list[str]:
     """Signals to search, each after the one that hands over to it."""
     if signals is None:
         signals = [s for s in recording.signals() if s not in NOT_BY_DEFAULT]
@@ -207,7 +165,7 @@ def _ordered(recording: Source, signals: Sequence[str] | None) -> list[str]:
 
 
 def _plan(
-    recording: Source,
+    recording: Recording,
     config: AcquisitionConfig,
     signal: str,
     prns: Iterable[int] | None,
@@ -259,7 +217,7 @@ class _SignalSearch:
 
     def __init__(
         self,
-        recording: Source,
+        recording: Recording,
         plan: _Plan,
         config: AcquisitionConfig,
         start_sample: int,
@@ -290,23 +248,20 @@ class _SignalSearch:
     def run(
         self, ranges: dict[int, tuple[int, int]], report: Callable[[int], None]
     ) -> list[Acquisition]:
-        """Search the Doppler ranges of all PRNs, then confirm what cross-correlation may fake."""
+        """Search all PRNs, then confirm the weak detections with the strong ones taken out."""
         jobs = [(prn, low, high) for prn, (low, high) in ranges.items()]
         results: dict[int, Acquisition] = {}
         for i in range(0, len(jobs), _PRNS_AT_ONCE):
             report(i)
             results |= self._searched(jobs[i : i + _PRNS_AT_ONCE])
-        sure: set[int] = set()
-        while True:
-            unsure = [a for a in results.values() if a.detected and a.prn not in sure]
-            top = max((a.statistic for a in unsure), default=0.0)
-            strong = [a for a in unsure if a.statistic > max(_STRONG * a.threshold, _CLOSE * top)]
-            if not strong or len(strong) == len(unsure):
-                return list(results.values())
-            sure |= {a.prn for a in strong}
+        unsure = [a for a in results.values() if a.detected]
+        while (strong := _strong(unsure)) and len(strong) < len(unsure):
             self._search.cancel([(a.prn, a.doppler_hz, a.code_delay_s) for a in strong])
-            weak = [a.prn for a in unsure if a.prn not in sure]
-            results |= self._searched([(prn, *ranges[prn]) for prn in weak])
+            weak = [a.prn for a in unsure if a not in strong]
+            again = self._searched([(prn, *ranges[prn]) for prn in weak])
+            results |= again
+            unsure = [a for a in again.values() if a.detected]
+        return list(results.values())
 
     def _searched(self, jobs: list[tuple[int, int, int]]) -> dict[int, Acquisition]:
         peaks = self._search.run(jobs)
@@ -332,3 +287,12 @@ class _SignalSearch:
             threshold=level,
             doppler_bin_hz=plan.bin_hz,
         )
+
+
+def _strong(searched: list[Acquisition]) -> list[Acquisition]:
+    """Those that cannot be another's cross-correlation, strongest first."""
+    top = max((a.statistic for a in searched), default=0.0)
+    return sorted(
+        (a for a in searched if a.statistic > max(_STRONG * a.threshold, _CLOSE * top)),
+        key=lambda a: -a.statistic,
+    )

@@ -40,7 +40,7 @@ def threshold(
         delay_correlation: amplitude correlation with the 1st, 2nd ... next delay cell.
     """
     wanted = np.log(-np.log1p(-pfa))
-    single = chi2.isf(pfa, 2 * blocks)
+    single = chi2.isf(min(2 * pfa, 0.99), 2 * blocks)
     union = chi2.isf(pfa / (bins * lags) / 2, 2 * blocks)
 
     def excess(level: float) -> float:
@@ -55,7 +55,7 @@ def expected_clumps(
     """Expected number of clumps of cells above ``level`` in noise; arguments as above."""
     delay_free = _none_follows(level, blocks, delay_correlation)
     doppler_free = _none_follows(level, blocks, DOPPLER_CORRELATION)
-    cells = lags * delay_free * (1 + (bins - 1) * doppler_free)
+    cells = max(1.0, lags * delay_free) * (1 + (bins - 1) * doppler_free)
     return float(cells * chi2.sf(level, 2 * blocks))
 
 

@@ -6,7 +6,7 @@ For files only: nothing here drives a transmitter.
 from .emitters import Transmission, transmissions
 from .load import builtin_scenario, load_scenario
 from .model import InducedAttack, RecordingPlan, Satellite, Scenario
-from .synthesis import SynthesisResult, open_synthesizer, synthesize
+from .synthesis import open_synthesizer, synthesize, truth_path
 from .truth import truth
 
 __all__ = [
@@ -14,7 +14,6 @@ __all__ = [
     "RecordingPlan",
     "Satellite",
     "Scenario",
-    "SynthesisResult",
     "Transmission",
     "builtin_scenario",
     "load_scenario",
@@ -22,4 +21,5 @@ __all__ = [
     "synthesize",
     "transmissions",
     "truth",
+    "truth_path",
 ]

@@ -87,9 +87,9 @@ def _transmission(
         power_db=added.power_db,
         code_offset_m=added.code_offset_m,
         carrier_offset_hz=added.carrier_offset_hz,
-        # Authentic signals are there before sample 0: the filter starts on them.
+        # What is on the air at either end of the recording is so beyond it: the filter reaches out.
         start_s=-math.inf if attack is None else start_s,
-        end_s=math.inf if attack is None else end_s,
+        end_s=math.inf if attack is None or attack.end_s is None else end_s,
     )
     return Transmission(
         role="authentic" if attack is None else "spoofer",

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,23 +20,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from sdr_spoof._core import Synthesizer
+    from sdr_spoof.progress import Progress
 
     from .model import RecordingPlan, Scenario
 
 _BLOCK_S = 0.25
 _GRID = 16384
 """Blocks are whole numbers of the synthesis's segments: nothing is computed twice."""
-
-
-@dataclass(frozen=True)
-class SynthesisResult:
-    """The files of a synthetic recording."""
-
-    data: Path
-    meta: Path
-    """SigMF metadata, or the TOML sidecar of a raw file (2-bit samples)."""
-    truth: Path
-    sample_count: int
 
 
 def open_synthesizer(scenario: Scenario, threads: int | None = None) -> Synthesizer:
@@ -68,8 +57,8 @@ def synthesize(
     *,
     threads: int | None = None,
     force: bool = False,
-    progress: Callable[[float, float], None] | None = None,
-) -> SynthesisResult:
+    progress: Progress | None = None,
+) -> Path:
     """Write ``<out>.sigmf-data``, ``<out>.sigmf-meta`` and ``<out>.truth.json``.
 
     2-bit samples, which SigMF does not know, go to ``<out>.bin`` with ``<out>.bin.toml``. Ctrl-C
@@ -82,6 +71,9 @@ def synthesize(
         threads: threads to use; None for one per core.
         force: replace existing files.
         progress: called with (samples done, samples in all).
+
+    Returns:
+        The metadata file (SigMF, or the TOML sidecar of 2-bit samples), for ``open_recording``.
 
     Raises:
         OutputError: files exist already, the folder is missing, or the disk is full.
@@ -104,7 +96,12 @@ def synthesize(
     if done < scenario.recording.sample_count:
         files.partial.unlink(missing_ok=True)
         raise KeyboardInterrupt(f"{done} samples kept in {files.data}, marked partial")
-    return SynthesisResult(files.data, files.meta, files.truth, done)
+    return files.meta
+
+
+def truth_path(recording: Path | str) -> Path:
+    """Path of the truth beside a synthetic recording, named by any of its files."""
+    return _with(_stem(Path(recording)), ".truth.json")
 
 
 class _Files:
@@ -143,7 +140,7 @@ def _write_samples(
     synthesizer: Synthesizer,
     plan: RecordingPlan,
     path: Path,
-    progress: Callable[[float, float], None] | None,
+    progress: Progress | None,
 ) -> int:
     """Streams samples to a file; stops at Ctrl-C. Returns the number of samples written."""
     total = plan.sample_count
@@ -183,7 +180,7 @@ def _check_space(path: Path, size: int) -> None:
 
 def _stem(out: Path) -> Path:
     name = out.name
-    for suffix in (DATA, META, ".bin"):
+    for suffix in (DATA, META, ".bin.toml", ".bin"):
         name = name.removesuffix(suffix)
     return out.with_name(name)
 

@@ -2,7 +2,7 @@
 
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
-use sdr_spoof_core::acquire::replica::PeakShape;
+use sdr_spoof_core::acquire::replica::{search_rate_hz as rate_hz, PeakShape};
 use sdr_spoof_core::acquire::{Input, Job, Known, Peak, Search};
 use sdr_spoof_core::dsp::resample::RawSamples;
 use sdr_spoof_core::{sample::SampleFormat, signal};
@@ -10,7 +10,7 @@ use sdr_spoof_core::{sample::SampleFormat, signal};
 use crate::to_py;
 
 /// The largest cell of one search.
-#[pyclass(name = "SearchPeak", frozen, get_all)]
+#[pyclass(name = "SearchPeak", module = "sdr_spoof._core", frozen, get_all)]
 struct PyPeak {
     prn: u16,
     statistic: f64,
@@ -34,7 +34,7 @@ impl From<Peak> for PyPeak {
 }
 
 /// The samples of one signal, ready to be searched for any PRN.
-#[pyclass(name = "Search")]
+#[pyclass(name = "Search", module = "sdr_spoof._core")]
 struct PySearch(Search);
 
 #[pymethods]
@@ -100,6 +100,12 @@ impl PySearch {
     }
 }
 
+/// Samples per second at which a signal is searched.
+#[pyfunction]
+fn search_rate_hz(signal: &str) -> PyResult<f64> {
+    signal::find(signal).map(rate_hz).map_err(to_py)
+}
+
 /// (share of the signal's power in the search band, correlation at the given delays in samples
 /// of the search).
 #[pyfunction]
@@ -114,6 +120,7 @@ fn search_peak_shape(signal: &str, delays: Vec<f64>) -> PyResult<(f64, Vec<f64>)
 pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<PyPeak>()?;
     m.add_class::<PySearch>()?;
+    m.add_function(wrap_pyfunction!(search_rate_hz, m)?)?;
     m.add_function(wrap_pyfunction!(search_peak_shape, m)?)?;
     Ok(())
 }

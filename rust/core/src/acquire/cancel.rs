@@ -69,8 +69,13 @@ fn delayed(spectrum: &[C64], inverse: &Arc<dyn Fft<f64>>, delay: f64) -> Vec<C64
 
 /// Subtracts the projection of the samples from `start` on on the replica at a Doppler.
 fn project_out(samples: &mut [Complex32], start: i64, replica: &[C64], cycles_per_sample: f64) {
-    let from = start.clamp(0, samples.len() as i64);
-    let to = (start + replica.len() as i64).clamp(from, samples.len() as i64);
+    let (from, to) = (
+        start.max(0),
+        (start + replica.len() as i64).min(samples.len() as i64),
+    );
+    if from >= to {
+        return;
+    }
     let here = &mut samples[from as usize..to as usize];
     let replica = &replica[(from - start) as usize..(to - start) as usize];
     let turned: Vec<C64> = replica

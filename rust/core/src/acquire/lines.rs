@@ -43,7 +43,9 @@ mod tests {
     fn noise(n: usize) -> Vec<Complex32> {
         let mut state = 1u64;
         let mut uniform = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            state = state
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
             (state >> 40) as f32 / (1u64 << 24) as f32 - 0.5
         };
         let mut normal = || (0..12).map(|_| uniform()).sum::<f32>() / 2f32.sqrt();
@@ -59,11 +61,19 @@ mod tests {
             .map(|(k, v)| v + Complex32::from_polar(1.0, TAU * (0.1237 * k as f32).fract()))
             .collect();
         limit_lines(&mut with_line);
-        let rest: f32 = clean.iter().zip(&with_line).map(|(a, b)| (a - b).norm_sqr()).sum();
+        let rest: f32 = clean
+            .iter()
+            .zip(&with_line)
+            .map(|(a, b)| (a - b).norm_sqr())
+            .sum();
         assert!(rest / 16_384.0 < 0.02, "{rest}");
         let mut again = clean.clone();
         limit_lines(&mut again);
-        let change: f32 = clean.iter().zip(&again).map(|(a, b)| (a - b).norm_sqr()).sum();
+        let change: f32 = clean
+            .iter()
+            .zip(&again)
+            .map(|(a, b)| (a - b).norm_sqr())
+            .sum();
         assert!(change / 16_384.0 < 1e-6, "{change}");
     }
 }

@@ -82,16 +82,17 @@ impl Channel {
                 _ => {}
             }
         }
-        self.part();
         let earliest = (0..self.pending.len())
             .filter_map(|i| self.pending[i].as_ref().map(|e| (e.end(), i)))
             .min();
-        if let Some((_, i)) = earliest {
-            if let Some(epoch) = self.pending[i].take() {
-                self.sidebands[i].close_own(&epoch);
-            }
+        let Some((_, i)) = earliest else {
+            return false;
+        };
+        self.part();
+        if let Some(epoch) = self.pending[i].take() {
+            self.sidebands[i].close_own(&epoch);
         }
-        earliest.is_some()
+        true
     }
 
     fn belong(&self, epoch: &Epoch, other_end: f64) -> bool {

@@ -50,7 +50,7 @@ pub fn autocorrelation(modulation: Modulation, delay_chips: f64) -> f64 {
 
 /// Slope of (early - late) per chip of code error, prompt amplitude 1, taps at +-`half_chips`.
 pub fn early_late_slope(modulation: Modulation, half_chips: f64) -> f64 {
-    let small = 0.02;
+    let small = 0.01;
     (autocorrelation(modulation, half_chips - small)
         - autocorrelation(modulation, half_chips + small))
         / small

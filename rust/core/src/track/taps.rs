@@ -22,7 +22,9 @@ impl Taps {
         // Half the early-late spacing in chips: on the straight flank of the main peak.
         let half = match modulation {
             Modulation::Bpsk => 0.25,
-            Modulation::Boc11 | Modulation::Qmboc => 0.1,
+            Modulation::Boc11 => 0.1,
+            // BOC(6,1) bends the flank at 1/12 chip.
+            Modulation::Qmboc => 0.06,
         };
         let near = ((half * samples_per_chip).round() as i64).max(1);
         let far = ((0.5 * samples_per_chip).round() as i64).max(near + 1);

@@ -56,9 +56,9 @@ fn filtering_is_what_the_response_says() {
     let filter = Filter::new(0.25, 0.3, 31, false).unwrap();
     let mut out = vec![0.0; 77];
     filter.apply_real(&re[..77 + 2 * 15], &mut out);
-    for n in 0..77 {
+    for (n, &value) in out.iter().enumerate() {
         let expected = filter.gain(frequency) * wave(n + 15).cos();
-        assert!((f64::from(out[n]) - expected).abs() < 1e-5);
+        assert!((f64::from(value) - expected).abs() < 1e-5);
     }
 }
 
