@@ -52,9 +52,7 @@ def system_of(signal: str) -> str:
 def limits(config: DetectionConfig) -> str:
     """In words, what the configured detectors cannot see."""
     parts = [f"{detectors.find(n).title}: {detectors.find(n).blind_to}." for n in config.detectors]
-    return "'Clean' means: nothing found by these tests. Not seen are, by detector. " + " ".join(
-        parts
-    )
+    return " ".join(["'Clean' means that these tests found nothing. They cannot see:", *parts])
 
 
 def _judge(

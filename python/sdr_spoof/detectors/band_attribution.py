@@ -56,7 +56,8 @@ def _departure(
     """Distance of the last third of ``after`` from the parabola, and its sigma, in cycles."""
     origin = float(time_s[before][-1])
     fitted = np.vander(time_s[before] - origin, 3)
-    late = np.flatnonzero(after)[-max(np.count_nonzero(after) // 3, 1) :]
+    rows = np.flatnonzero(after)
+    late = rows[-max(int(rows.size) // 3, 1) :]
     ahead = np.vander(time_s[late] - origin, 3).mean(axis=0)
     weights = ahead @ np.linalg.pinv(fitted)
     reference = phase_cycles[before][-1]

@@ -104,7 +104,7 @@ def scaled_difference(track: ComboTrack, config: DetectionConfig) -> Difference:
             (track.upper, track.phase_upper_cycles, track.cn0_upper_dbhz),
             (track.lower, track.phase_lower_cycles, track.cn0_lower_dbhz),
         ):
-            sigma = float(phase_sigma_cycles(np.mean(_ratio_hz(cn0[piece])), epoch_s))
+            sigma = float(phase_sigma_cycles(float(np.mean(_ratio_hz(cn0[piece]))), epoch_s))
             clean, count = repair_slips(
                 phase[piece], slip_quantum(name, track.prn), sigma, window_rows
             )

@@ -18,7 +18,7 @@ def band_name(signal: str | None) -> str:
     if signal is None:
         return "band not told apart"
     spec = _core.signal_spec(signal)
-    return f"{spec['composite']} ({spec['carrier_hz'] / 1e6:.6g} MHz)"
+    return f"{spec['composite']} ({spec['carrier_hz'] / 1e6:.7g} MHz)"
 
 
 def headline(verdict: Verdict) -> str:
@@ -55,14 +55,19 @@ def alarm_sentence(alarm: Alarm) -> str:
 def sureness(alarm: Alarm) -> str:
     """How sure the alarm is, as the probability that noise did it."""
     if alarm.log10_p <= LOG10_P_FLOOR:
-        return f"noise alone does this in fewer than 1 of 10^{-LOG10_P_FLOOR:.0f} tests"
-    return f"noise alone does this in about 1 of 10^{-alarm.log10_p:.1f} tests"
+        return f"noise alone does this in fewer than 1 of {_power_of_ten(-LOG10_P_FLOOR)} tests"
+    return f"noise alone does this in about 1 of {_power_of_ten(-alarm.log10_p)} tests"
+
+
+def _power_of_ten(exponent: float) -> str:
+    digits = str(round(exponent)).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return f"10{digits}"
 
 
 def evidence(alarm: Alarm) -> str:
     """The number behind an alarm."""
     return (
-        f"{alarm.statistic:+.3f} {alarm.unit} where noise stays within "
+        f"{alarm.statistic:+.3f} {alarm.unit} where undisturbed signals stay within "
         f"±{alarm.threshold:.3f} {alarm.unit}; alarm raised at {alarm.alarm_s:.2f} s"
     )
 

@@ -154,8 +154,9 @@ def draw_margins(
             )
         axes.axvline(1.0, color=style.INK, linewidth=1.2, linestyle=(0, (4, 2)))
         axes.set_xscale("log")
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
         top = max((float(np.max(np.abs(s.value) / s.sigma)) for s, _ in tested), default=5.0) / 4
-        axes.set_xlim(0.01, max(10.0, top))
+        axes.set_xlim(0.01, max(10.0, 2 * top))
         names = [satellite_name(s.system, s.prn) for s, _ in reversed(tested)]
         axes.set_yticks(range(len(tested)), names)
         axes.set_ylim(-0.6, max(len(tested), 1) - 0.4)

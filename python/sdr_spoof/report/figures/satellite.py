@@ -102,17 +102,17 @@ def _shape(axes: Axes, track: SignalTrack, part: NDArray[np.bool_], colour: str)
 
 
 def _dress(panels: Sequence[Axes], onset_s: float | None, duration_s: float) -> None:
+    before, after = (
+        ("before the onset", "after the onset") if onset_s is not None else ("1st half", "2nd half")
+    )
     titles = (
         ("Doppler off the common course", "Hz"),
         ("Code minus carrier", "m"),
-        ("Phase lock (1 = locked)", "mean cos(2 × phase error)"),
+        ("Phase lock, 1 = locked", "mean cos(2φ)"),
         ("Signal strength", "C/N0 (dB-Hz)"),
-        ("Correlation before the onset", "Relative to prompt"),
-        ("Correlation after the onset", "Relative to prompt"),
+        (f"Correlation, {before}", "Relative to prompt"),
+        (f"Correlation, {after}", "Relative to prompt"),
     )
-    if onset_s is None:
-        titles = (*titles[:4], ("Correlation, first half", titles[4][1]))
-        titles = (*titles, ("Correlation, second half", titles[4][1]))
     for axes, (title, unit) in zip(panels, titles, strict=True):
         axes.set_title(title)
         axes.set_ylabel(unit)

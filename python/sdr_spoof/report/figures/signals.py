@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sdr_spoof.records import Acquisition, SignalTrack, State, TrackLog
@@ -56,9 +57,17 @@ def draw_cn0(log: TrackLog, spoofed: Sequence[tuple[str, int]]) -> str:
         panels = figure.subplots(1, max(len(signals), 1), sharey=True, squeeze=False)[0]
         for axes, signal in zip(panels, signals, strict=False):
             tracks = [t for t in log.signals if t.signal == signal]
+            ends = []
             for track in tracks:
                 hit = (system_of(signal), track.prn) in spoofed
+                held = np.flatnonzero(track.state >= State.TRACKING)
+                if held.size == 0:
+                    continue
                 _cn0_line(axes, track, style.colour(signal) if hit else "#a9b2bb", hit)
+                name = satellite_name(system_of(signal), track.prn)
+                end = float(np.median(track.cn0_dbhz[held[-200:]]))
+                ends.append((end, name, style.colour(signal) if hit else style.MUTED))
+            _name_lines(axes, ends, log.duration_s)
             axes.set_title(signal)
             axes.set_xlabel("Time (s)")
             axes.set_xlim(0, log.duration_s * 1.06)
@@ -67,10 +76,8 @@ def draw_cn0(log: TrackLog, spoofed: Sequence[tuple[str, int]]) -> str:
     return style.render(draw, 10.0, 3.2)
 
 
-def _cn0_line(axes, track: SignalTrack, colour: str, emphasised: bool) -> None:  # type: ignore[no-untyped-def]
+def _cn0_line(axes: Axes, track: SignalTrack, colour: str, emphasised: bool) -> None:
     held = track.state >= State.TRACKING
-    if not held.any():
-        return
     cn0 = np.where(held, track.cn0_dbhz, np.nan)
     axes.plot(
         track.time_s,
@@ -79,14 +86,13 @@ def _cn0_line(axes, track: SignalTrack, colour: str, emphasised: bool) -> None: 
         linewidth=1.8 if emphasised else 1.0,
         zorder=3 if emphasised else 2,
     )
-    last = np.flatnonzero(held)[-1]
-    axes.annotate(
-        satellite_name(system_of(track.signal), track.prn),
-        (track.time_s[last], cn0[last]),
-        xytext=(3, 0),
-        textcoords="offset points",
-        va="center",
-        fontsize=8,
-        color=colour if emphasised else style.MUTED,
-        fontweight="bold" if emphasised else "normal",
-    )
+
+
+def _name_lines(axes: Axes, ends: list[tuple[float, str, str]], time_s: float) -> None:
+    """Writes names at the right end of the lines, moved apart so that none overlap."""
+    low, high = axes.get_ylim()
+    spacing = 0.055 * (high - low)
+    at = -np.inf
+    for cn0, name, colour in sorted(ends):
+        at = max(cn0, at + spacing)
+        axes.text(time_s, at, f" {name}", va="center", fontsize=8, color=colour)

@@ -35,7 +35,7 @@ def draw_spectrum(spectrum: Spectrum, signals: Sequence[str]) -> str:
             )
             axes.axvline(centre, color=colour, linewidth=1.0)
             axes.annotate(
-                f"{name}\n{centre:.6g}",
+                f"{name}\n{centre:.7g}",
                 (centre, 1.0),
                 xycoords=("data", "axes fraction"),
                 xytext=(4, -4),
