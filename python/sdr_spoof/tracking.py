@@ -41,7 +41,7 @@ class TrackingConfig(BaseModel):
         20.0, gt=0, description="phase-locked loop on 1 ms integrations, before that"
     )
     fll_bandwidth_hz: float = Field(
-        20.0, gt=0, description="frequency-locked loop that assists during pull-in"
+        1.0, gt=0, description="frequency-locked loop that assists it, before that"
     )
     dll_bandwidth_hz: float = Field(
         1.0, gt=0, description="carrier-aided code loop, once synchronised"

@@ -6,8 +6,10 @@ use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use sdr_spoof_core::sample::SampleFormat;
+use sdr_spoof_core::signal::Modulation;
 use sdr_spoof_core::track::channel::Channel;
 use sdr_spoof_core::track::config::TrackConfig;
+use sdr_spoof_core::track::discriminator;
 use sdr_spoof_core::track::engine::{Input, Target, Tracker as CoreTracker};
 use sdr_spoof_core::track::epoch::Seed;
 use sdr_spoof_core::track::sideband::Sideband;
@@ -169,6 +171,19 @@ fn combo_rows<'py>(py: Python<'py>, channel: &Channel) -> PyResult<Bound<'py, Py
     Ok(d)
 }
 
+/// Autocorrelation between an early and a late tap at +-`half_chips`, and the slope of early
+/// minus late per chip.
+#[pyfunction]
+fn early_late(modulation: &str, half_chips: f64) -> PyResult<(f64, f64)> {
+    let modulation = Modulation::parse(modulation).map_err(to_py)?;
+    let correlation = discriminator::autocorrelation(modulation, 2.0 * half_chips);
+    Ok((
+        correlation,
+        discriminator::early_late_slope(modulation, half_chips),
+    ))
+}
+
 pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
-    m.add_class::<Tracker>()
+    m.add_class::<Tracker>()?;
+    m.add_function(wrap_pyfunction!(early_late, m)?)
 }

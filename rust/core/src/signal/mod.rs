@@ -21,6 +21,17 @@ pub enum Modulation {
 }
 
 impl Modulation {
+    /// Parses the names that specifications are shown with: `Bpsk`, `Boc11`, `Qmboc`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] names the known ones.
+    pub fn parse(name: &str) -> Result<Self> {
+        [Modulation::Bpsk, Modulation::Boc11, Modulation::Qmboc]
+            .into_iter()
+            .find(|m| format!("{m:?}") == name)
+            .ok_or_else(|| Error::Invalid(format!("'{name}' is none of Bpsk, Boc11, Qmboc")))
+    }
+
     /// The subcarrier's layers: (sub-chips per chip, complex weight re, im).
     ///
     /// The replica of a chip is the sum over layers of `weight * (+1, -1, +1, ...)`, each value

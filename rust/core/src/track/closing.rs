@@ -4,14 +4,16 @@ use num_complex::Complex;
 
 use super::discriminator as disc;
 use super::epoch::{Epoch, Measured};
+use super::frequency::BlockError;
 use super::log::State;
 use super::sideband::{Sideband, Sync};
+use crate::dsp::replica::SLICE_S;
 use crate::C64;
 
-/// Frequency lock alone for this long, then phase lock with a little of it, s.
-const FLL_ALONE_S: f64 = 0.025;
-/// Share of the frequency loop's bandwidth that assists the phase loop.
-const ASSIST: f64 = 0.1;
+/// The assisting frequency loop counts a block as so many prompts.
+const FLL_PROMPTS: f64 = 20.0;
+/// A phase lock that has not come after this is tried again from frequency lock, s.
+const PLL_TRY_S: f64 = 0.3;
 /// Phase lock is judged after this, s.
 const JUDGED_S: f64 = 0.03;
 /// Pull-in is given up after this, s.
@@ -58,26 +60,43 @@ impl Sideband {
     pub fn close_own(&mut self, epoch: &Epoch) {
         self.judge(epoch);
         let measured = self.measure(epoch);
-        let prompt = epoch.taps[self.taps.prompt];
         let interval = epoch.interval_s();
-        let previous = self.previous.replace(prompt);
-        let alone = self.state == State::PullIn && self.in_state_s < FLL_ALONE_S;
-        if let Some(previous) = previous.filter(|_| self.state == State::PullIn) {
-            let share = if alone { 1.0 } else { ASSIST };
-            let error = disc::frequency(previous, prompt, interval);
-            self.carrier
-                .assist(error, share * self.config.fll_bandwidth_hz);
-        }
-        let doppler = if !alone {
-            self.carrier.update(measured.phase_error)
+        let prompt = epoch.taps[self.taps.prompt];
+        let block = match self.state {
+            State::PullIn | State::Tracking => self.frequency.add(prompt, self.snr(), interval),
+            _ => None,
+        };
+        let doppler = if self.state == State::PullIn && !self.phase_loop {
+            self.acquire_frequency(block)
         } else {
-            if self.in_state_s + interval >= FLL_ALONE_S {
-                // The phase loop starts where the phase is: it need not swing in.
-                self.correlator.shift_carrier(measured.phase_error);
-            }
-            self.carrier.rate
+            self.assist(block, interval);
+            self.carrier.update(measured.phase_error)
         };
         self.finish(epoch, &measured, doppler, self.state);
+    }
+
+    /// First part of pull-in: waits for the frequency, then starts the phase loop at the
+    /// measured frequency and phase, so that it need not swing in.
+    fn acquire_frequency(&mut self, block: Option<BlockError>) -> f64 {
+        if let Some(error) = block {
+            self.carrier.rate += error.frequency_hz;
+            self.correlator.shift_carrier(error.phase_cycles);
+            self.phase_loop = true;
+        }
+        self.carrier.rate
+    }
+
+    /// Frequency-locked loop beside the phase loop, until symbols are synchronised.
+    fn assist(&mut self, block: Option<BlockError>, interval_s: f64) {
+        if let Some(error) = block {
+            let gain = 4.0 * self.config.fll_bandwidth_hz * FLL_PROMPTS * interval_s;
+            self.carrier.rate += gain.min(0.5) * error.frequency_hz;
+        }
+    }
+
+    /// Signal-to-noise ratio of a prompt.
+    fn snr(&self) -> f64 {
+        10f64.powf(0.1 * self.cn0.dbhz()) * self.length as f64 * SLICE_S
     }
 
     /// Closes an integration with a Doppler that the combo's loops chose.
@@ -99,6 +118,7 @@ impl Sideband {
         self.record(epoch, measured, recorded);
         let code_rate = self.code.update(measured.code_error_chips);
         self.in_state_s += epoch.interval_s();
+        self.pull_in_s += epoch.interval_s();
         self.steer(doppler_hz, code_rate);
         if self.state != State::Lost {
             self.guard_side_peak(epoch);
@@ -111,12 +131,12 @@ impl Sideband {
         let prompt = epoch.taps[self.taps.prompt];
         let interval = epoch.interval_s();
         self.cn0.add_prompt(prompt, interval);
-        if self.state != State::PullIn || self.in_state_s >= FLL_ALONE_S {
+        if self.state != State::PullIn || self.phase_loop {
             self.lock
                 .add(prompt, self.cn0.noise_power(interval), interval);
         }
         let lost = match self.state {
-            State::PullIn => self.in_state_s > PULL_IN_S,
+            State::PullIn => self.pull_in_s > PULL_IN_S,
             State::Lost => false,
             _ => {
                 self.in_state_s > GRACE_S
@@ -138,6 +158,7 @@ impl Sideband {
             {
                 self.enter(State::Tracking);
             }
+            State::PullIn if self.lock.elapsed_s() > PLL_TRY_S => self.enter(State::PullIn),
             State::Tracking => self.synchronise(prompt),
             _ => {}
         }

@@ -9,7 +9,7 @@ pub struct TrackConfig {
     pub pll_bandwidth_hz: f64,
     /// Phase-locked loop on 1 ms integrations before that, Hz.
     pub pull_in_pll_bandwidth_hz: f64,
-    /// Frequency-locked loop during pull-in, Hz.
+    /// Frequency-locked loop that assists the phase loop before that, Hz.
     pub fll_bandwidth_hz: f64,
     /// Delay-locked loop, once synchronised, Hz.
     pub dll_bandwidth_hz: f64,
@@ -32,7 +32,7 @@ impl Default for TrackConfig {
         TrackConfig {
             pll_bandwidth_hz: 10.0,
             pull_in_pll_bandwidth_hz: 20.0,
-            fll_bandwidth_hz: 20.0,
+            fll_bandwidth_hz: 1.0,
             dll_bandwidth_hz: 1.0,
             main_bandwidth_hz: 10.0,
             subcarrier_bandwidth_hz: 5.0,

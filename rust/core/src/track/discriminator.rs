@@ -15,12 +15,6 @@ pub fn costas(prompt: C64) -> f64 {
     phase(if prompt.re < 0.0 { -prompt } else { prompt })
 }
 
-/// Frequency error in Hz from two consecutive prompts, insensitive to a change of sign between
-/// them: range +-1/(4 interval).
-pub fn frequency(previous: C64, prompt: C64, interval_s: f64) -> f64 {
-    costas(prompt * previous.conj()) / interval_s
-}
-
 /// Received code phase minus replica in chips: early-minus-late dot prompt.
 ///
 /// `power` is the (smoothed) prompt power and `slope` from [`early_late_slope`].
@@ -76,8 +70,6 @@ mod tests {
         let ahead = C64::from_polar(2.0, 0.3 * TAU);
         assert!((phase(ahead) - 0.3).abs() < 1e-12);
         assert!((costas(ahead) + 0.2).abs() < 1e-12);
-        let next = C64::from_polar(1.0, (0.3 + 0.04) * TAU);
-        assert!((frequency(ahead, -next, 1e-3) - 40.0).abs() < 1e-9);
         // Received ahead of the replica: the early tap is larger.
         let e = code(
             C64::new(0.9, 0.0),

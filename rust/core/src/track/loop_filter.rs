@@ -60,11 +60,6 @@ impl LoopFilter {
         self.rate += self.interval_s * (self.gains[1] * error + self.acceleration);
         self.rate + self.gains[0] * error
     }
-
-    /// Frequency assistance: a first-order frequency-locked loop on the rate.
-    pub fn assist(&mut self, rate_error: f64, bandwidth_hz: f64) {
-        self.rate += 4.0 * bandwidth_hz * self.interval_s * rate_error;
-    }
 }
 
 /// Single-sided noise bandwidth of the closed loop, from its impulse response:

@@ -11,6 +11,7 @@ pub mod config;
 pub mod discriminator;
 pub mod engine;
 pub mod epoch;
+pub mod frequency;
 pub mod log;
 pub mod loop_filter;
 pub mod quality;

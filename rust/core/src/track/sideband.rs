@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use super::config::TrackConfig;
 use super::epoch::{Epoch, Seed};
+use super::frequency::FrequencyBlock;
 use super::log::{SignalRows, State};
 use super::loop_filter::LoopFilter;
 use super::quality::{Cn0, PhaseLock, RunningMean};
@@ -50,16 +51,20 @@ pub struct Sideband {
     /// Slice counter, meaningful modulo what is synchronised.
     pub(super) position: usize,
     chips: u64,
-    length: usize,
+    pub(super) length: usize,
     partial: Option<Epoch>,
     pub(super) carrier: LoopFilter,
     pub(super) code: LoopFilter,
     doppler_hz: f64,
-    pub(super) previous: Option<C64>,
+    pub(super) frequency: FrequencyBlock,
+    /// The phase loop runs.
+    pub(super) phase_loop: bool,
     pub(super) cn0: Cn0,
     pub(super) lock: PhaseLock,
     pub(super) side_peaks: [RunningMean; 3],
     pub(super) in_state_s: f64,
+    /// Since the last start.
+    pub(super) pull_in_s: f64,
 }
 
 impl Sideband {
@@ -105,11 +110,13 @@ impl Sideband {
             carrier: LoopFilter::new(3, config.pull_in_pll_bandwidth_hz, SLICE_S),
             code: LoopFilter::new(1, 2.0 * config.dll_bandwidth_hz, SLICE_S),
             doppler_hz: seed.doppler_hz,
-            previous: None,
+            frequency: FrequencyBlock::default(),
+            phase_loop: false,
             cn0: Cn0::new(0.5),
             lock: PhaseLock::new(0.05),
             side_peaks: Default::default(),
             in_state_s: 0.0,
+            pull_in_s: 0.0,
         };
         sideband.restart(seed, earliest)?;
         Ok(sideband)
@@ -144,6 +151,7 @@ impl Sideband {
         self.carrier.acceleration = 0.0;
         self.code.rate = 0.0;
         self.cn0.forget_signal();
+        self.pull_in_s = 0.0;
         self.enter(State::PullIn);
         self.steer(seed.doppler_hz, 0.0);
         Ok(())
@@ -215,7 +223,8 @@ impl Sideband {
         self.state = state;
         self.in_state_s = 0.0;
         self.partial = None;
-        self.previous = None;
+        self.frequency = FrequencyBlock::default();
+        self.phase_loop = !matches!(state, State::Lost | State::PullIn);
         let c = &self.config;
         let (length, order, pll, dll, memory) = match state {
             State::Lost | State::PullIn => (

@@ -1,0 +1,1 @@
+"""Long measurements behind docs/validation.md, run by ``sdr-spoof validate``."""
