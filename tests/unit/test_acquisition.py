@@ -129,6 +129,25 @@ def test_a_very_strong_signal_makes_no_false_ones_and_hides_no_other(tmp_path):
     assert found(result).keys() == {("L1CA", 3), ("L1CA", 9)}
 
 
+def test_ten_strong_satellites_make_no_false_one(tmp_path):
+    rng = np.random.default_rng(11)
+    prns = [2, 6, 11, 20, 23, 34, 38, 45, 59, 61]
+    emitters = [
+        _core.Emitter(
+            "B1I",
+            prn,
+            52,
+            delay_s=float(rng.uniform(0.06, 0.09)),
+            doppler_hz=float(rng.uniform(-4500, 4500)),
+            data_seed=prn,
+        )
+        for prn in prns
+    ]
+    source = recording(tmp_path, emitters)
+    result = acquire(source, AcquisitionConfig(), signals=["B1I"], threads=2)
+    assert sorted(prn for _, prn in found(result)) == prns
+
+
 def test_a_tone_is_no_satellite(tmp_path):
     e = _core.Emitter("L1CA", 3, 45, delay_s=0.07, doppler_hz=510.0, data_seed=1)
     source = recording(tmp_path, [e], rate=5e6, lo=B1C_HZ, tone=20.0)
