@@ -54,7 +54,9 @@ ifdef UV
 	$(UV) sync --locked --quiet --python $(PYTHON)
 else
 	test -x $(BIN)/pip || $(PYTHON) -m venv --clear $(VENV)
-	$(BIN)/pip install --quiet --disable-pip-version-check --requirement requirements-dev.txt
+	# maturin installs through pip and needs its --group, which came with 25.1.
+	$(BIN)/pip install --quiet --disable-pip-version-check --upgrade 'pip>=25.1'
+	$(BIN)/pip install --quiet --requirement requirements-dev.txt
 endif
 	touch $@
 

@@ -65,6 +65,10 @@ class SignalTrack:
     doppler_hz: NDArray[np.float64]
     code_phase_chips: NDArray[np.float64]
     """Measured received code phase (oscillator plus discriminator), unwrapped; grows."""
+    phase_error_cycles: NDArray[np.float64]
+    """Carrier discriminator: received minus oscillator phase (growing with approach)."""
+    code_error_chips: NDArray[np.float64]
+    """Code discriminator: received minus replica code phase."""
     cn0_dbhz: NDArray[np.float64]
     phase_lock: NDArray[np.float64]
     """Mean of cos(2 phase error): 1 locked, 0 not."""

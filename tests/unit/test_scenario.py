@@ -67,6 +67,11 @@ def test_power_of_b1c_is_shared_by_its_components() -> None:
     assert [t.cn0_dbhz for t in only_pilot] == [45.0]
 
 
+def test_other_systems() -> None:
+    (sent,) = transmissions(scenario(system="G", prn=5, signals=["L1CA"]))
+    assert (sent.system, sent.signal, sent.cn0_dbhz) == ("G", "L1CA", 45.0)
+
+
 def test_doppler_scales_with_the_carrier() -> None:
     at = np.array([0.0, 2.0])
     for values in ({"range_rate_m_s": 500.0}, {"doppler_hz": -500.0 / C * 1575.42e6}):

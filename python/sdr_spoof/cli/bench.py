@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from . import tables
+from . import options, tables
 from .command import Command, Outcome
 
 if TYPE_CHECKING:
@@ -17,7 +17,11 @@ if TYPE_CHECKING:
 
 def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--repeats", type=int, default=5, metavar="N", help="runs of each measurement (default: 5)"
+        "--repeats",
+        type=options.positive,
+        default=5,
+        metavar="N",
+        help="runs of each measurement (default: 5)",
     )
 
 

@@ -100,7 +100,7 @@ def add_threads(parser: argparse.ArgumentParser) -> None:
     """Add ``--threads``."""
     parser.add_argument(
         "--threads",
-        type=_positive,
+        type=positive,
         metavar="N",
         help="worker threads (default: one per core); results do not depend on it",
     )
@@ -126,7 +126,8 @@ def check_output(path: Path | None, *, force: bool) -> None:
         raise OutputError(f"{path}: its folder {path.parent} does not exist; create it first")
 
 
-def _positive(text: str) -> int:
+def positive(text: str) -> int:
+    """Type of a flag that takes a number from 1 up."""
     value = int(text)
     if value < 1:
         raise argparse.ArgumentTypeError("must be at least 1")

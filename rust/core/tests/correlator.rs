@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use sdr_spoof_core::dsp::correlator::{Correlator, Replica};
+use sdr_spoof_core::dsp::correlator::Correlator;
 use sdr_spoof_core::dsp::prefix::PrefixBand;
 use sdr_spoof_core::dsp::reference::ReferenceReplica;
+use sdr_spoof_core::dsp::replica::Replica;
 use sdr_spoof_core::signal::{self, Modulation};
 use sdr_spoof_core::C64;
 

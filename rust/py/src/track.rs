@@ -9,7 +9,8 @@ use sdr_spoof_core::sample::SampleFormat;
 use sdr_spoof_core::track::channel::Channel;
 use sdr_spoof_core::track::config::TrackConfig;
 use sdr_spoof_core::track::engine::{Input, Target, Tracker as CoreTracker};
-use sdr_spoof_core::track::sideband::{Seed, Sideband};
+use sdr_spoof_core::track::epoch::Seed;
+use sdr_spoof_core::track::sideband::Sideband;
 
 use crate::to_py;
 
@@ -139,6 +140,8 @@ fn signal_rows<'py>(py: Python<'py>, prn: u16, s: &Sideband) -> PyResult<Bound<'
     )?;
     d.set_item("doppler_hz", array(py, &rows.doppler_hz))?;
     d.set_item("code_phase_chips", array(py, &rows.code_phase_chips))?;
+    d.set_item("phase_error_cycles", array(py, &rows.phase_error_cycles))?;
+    d.set_item("code_error_chips", array(py, &rows.code_error_chips))?;
     d.set_item("cn0_dbhz", array(py, &rows.cn0_dbhz))?;
     d.set_item("phase_lock", array(py, &rows.phase_lock))?;
     let taps: Vec<Complex<f32>> = rows.taps.clone();

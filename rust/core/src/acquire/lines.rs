@@ -66,7 +66,8 @@ mod tests {
             .zip(&with_line)
             .map(|(a, b)| (a - b).norm_sqr())
             .sum();
-        assert!(rest / 16_384.0 < 0.02, "{rest}");
+        // The line had the power of the noise; what is below the limit stays.
+        assert!(rest / 16_384.0 < 0.05, "{rest}");
         let mut again = clean.clone();
         limit_lines(&mut again);
         let change: f32 = clean

@@ -11,6 +11,8 @@
 mod cancel;
 mod estimate;
 mod lines;
+#[cfg(test)]
+mod reference;
 pub mod replica;
 mod transform;
 
@@ -25,7 +27,7 @@ use crate::signal::SignalSpec;
 use crate::{Error, Result};
 use estimate::{Fit, Neighbourhood, DELAY_REACH, WIDTH};
 use replica::{replica, search_rate_hz, PeakShape};
-use transform::{add_power, multiply, normalise, padded_spectrum};
+use transform::{add_power, best_span, multiply, normalise, padded_spectrum};
 
 pub use cancel::Known;
 
@@ -58,7 +60,7 @@ pub struct Job {
 pub struct Peak {
     /// Satellite.
     pub prn: u16,
-    /// Power sum normalised by the grid: chi-square of 2K degrees of freedom where there is noise.
+    /// Power sum over half the grid's mean: chi-square of 2K degrees of freedom in noise.
     pub statistic: f64,
     /// Cells of the grid.
     pub cells: usize,
@@ -150,9 +152,9 @@ impl Search {
     /// # Errors
     /// [`Error::UnknownPrn`].
     pub fn cancel(&mut self, known: &[Known]) -> Result<()> {
-        for signal in known {
-            cancel::cancel(self.spec, self.period, signal, &mut self.samples)?;
-        }
+        known
+            .iter()
+            .try_for_each(|k| cancel::cancel(self.spec, self.period, k, &mut self.samples))?;
         self.transform();
         Ok(())
     }
@@ -288,12 +290,4 @@ impl Search {
         let samples = lag as f64 + fit.delay - mean;
         samples.rem_euclid(self.period as f64) / search_rate_hz(self.spec)
     }
-}
-
-/// Periods per FFT, odd, that need the fewest points for `blocks` periods.
-fn best_span(blocks: usize) -> usize {
-    [1usize, 3, 5]
-        .into_iter()
-        .min_by_key(|b| blocks.div_ceil(*b) * (b + 1))
-        .unwrap_or(1)
 }

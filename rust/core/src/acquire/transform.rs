@@ -48,3 +48,11 @@ pub(super) fn add_power(row: &mut [f32], lags: &[Complex32], drift: i64) {
     add(head, &lags[shift..]);
     add(tail, &lags[..shift]);
 }
+
+/// Periods per FFT, odd, that need the fewest points for `blocks` periods.
+pub(super) fn best_span(blocks: usize) -> usize {
+    [1usize, 3, 5]
+        .into_iter()
+        .min_by_key(|b| blocks.div_ceil(*b) * (b + 1))
+        .unwrap_or(1)
+}

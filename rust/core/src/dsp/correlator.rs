@@ -8,17 +8,12 @@
 use std::sync::{Arc, LazyLock};
 
 use super::prefix::{PrefixBand, LO_AMPLITUDE};
-use crate::signal::{Layer, Modulation, SignalSpec};
-use crate::{nco, Result, C64};
+use super::replica::{Replica, MAX_GROUP};
+use crate::{nco, C64};
 
-/// Slices are this long in code time.
-pub const SLICE_S: f64 = 1e-3;
 /// Fraction bits of code positions (samples).
 const FRACTION: u32 = 40;
 const ONE: f64 = (1u64 << FRACTION) as f64;
-/// A group's span: at 5 kHz of residual Doppler it costs 0.006 dB.
-const GROUP_S: f64 = 4e-6;
-const MAX_GROUP: usize = 64;
 
 const TURN_BITS: u32 = 11;
 /// exp(-j 2 pi phase) at the middle of each cell.
@@ -35,86 +30,6 @@ static TURN: LazyLock<Vec<[f32; 2]>> = LazyLock::new(|| {
 /// exp(-j 2 pi cycles)
 fn turn_back(cycles: f64) -> C64 {
     C64::from_polar(1.0, -std::f64::consts::TAU * cycles)
-}
-
-/// One layer of one slice: a first sign and the sub-chip positions where it changes.
-#[derive(Debug)]
-struct Runs {
-    first: f64,
-    /// 0, every sign change, and the slice's end, in sub-chips.
-    edges: Vec<u32>,
-}
-
-/// The replica of a code period, cut into slices.
-#[derive(Debug)]
-pub struct Replica {
-    layers: Vec<Layer>,
-    /// `slices[slice][layer]`
-    slices: Vec<Vec<Runs>>,
-    chips_per_slice: u64,
-    group: Vec<usize>,
-}
-
-impl Replica {
-    /// The replica of a satellite's signal with the given modulation (a QMBOC pilot may be
-    /// received as plain BOC(1,1) where the bandwidth is narrow).
-    ///
-    /// # Errors
-    /// [`crate::Error::UnknownPrn`]
-    pub fn new(spec: &SignalSpec, prn: u16, modulation: Modulation) -> Result<Self> {
-        let chips_per_slice = (spec.chip_rate_hz * SLICE_S).round() as usize;
-        let layers = modulation.layers().to_vec();
-        let slices: Vec<Vec<Runs>> = spec
-            .code(prn)?
-            .chunks(chips_per_slice)
-            .map(|chips| {
-                layers
-                    .iter()
-                    .map(|layer| Runs::new(chips, layer.subchips))
-                    .collect()
-            })
-            .collect();
-        let group = (0..layers.len())
-            .map(|l| {
-                let run_s = SLICE_S / slices[0][l].edges.len() as f64;
-                ((GROUP_S / run_s).round() as usize).clamp(2, MAX_GROUP)
-            })
-            .collect();
-        Ok(Replica {
-            layers,
-            slices,
-            chips_per_slice: chips_per_slice as u64,
-            group,
-        })
-    }
-
-    /// Chips in a slice.
-    pub fn chips_per_slice(&self) -> u64 {
-        self.chips_per_slice
-    }
-
-    /// Slices per code period.
-    pub fn slices_per_period(&self) -> usize {
-        self.slices.len()
-    }
-}
-
-impl Runs {
-    fn new(chips: &[i8], subchips: usize) -> Self {
-        let sign = |k: usize| chips[k / subchips] * if k % subchips % 2 == 0 { 1 } else { -1 };
-        let total = chips.len() * subchips;
-        let mut edges = vec![0];
-        edges.extend(
-            (1..total)
-                .filter(|&k| sign(k) != sign(k - 1))
-                .map(|k| k as u32),
-        );
-        edges.push(total as u32);
-        Runs {
-            first: f64::from(sign(0)),
-            edges,
-        }
-    }
 }
 
 /// What one slice gave.
@@ -239,7 +154,7 @@ impl Correlator {
 
     /// End of the slice, in 2^-40 samples after `base`.
     fn end(&self) -> u64 {
-        self.fraction + self.replica.chips_per_slice * self.chip_step
+        self.fraction + self.replica.chips_per_slice() * self.chip_step
     }
 
     fn advance_layer(&mut self, layer: usize, band: &PrefixBand) -> bool {

@@ -4,4 +4,5 @@ pub mod correlator;
 
 pub mod prefix;
 pub mod reference;
+pub mod replica;
 pub mod resample;

@@ -15,6 +15,9 @@ pub const SPEED_OF_LIGHT: f64 = 299_792_458.0;
 ///   chip 0 of code period 0 of symbol 0 starting at phase 0;
 /// - received carrier phase in cycles, over the nominal carrier: `phase_cycles + D(t) +` the
 ///   integral of `carrier_offset_hz` from 0 to t.
+///
+/// In the samples, code and carrier move linearly and the power is constant over segments of 16384
+/// samples of a grid on the absolute sample index; `start_s` and `end_s` are exact to the sample.
 #[derive(Debug, Clone)]
 pub struct Emitter {
     /// What is sent.

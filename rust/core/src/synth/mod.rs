@@ -120,10 +120,11 @@ impl Synthesizer {
     pub fn generate(&self, start: u64, count: usize) -> Result<Vec<u8>> {
         let bits = self.config.format.bits_per_sample();
         let whole = |n: u64| n % 8 == 0 || n * bits as u64 % 8 == 0;
-        if start > 1 << 48 || count > 1 << 40 || !whole(start) || !whole(count as u64) {
+        if start > 1 << 48 || count > 1 << 31 || !whole(start) || !whole(count as u64) {
             return Err(Error::Invalid(format!(
                 "cannot generate {count} samples of {bits} bits from sample {start}: \
-                 begin and end on a whole byte, and begin before sample 2^48"
+                 begin and end on a whole byte, begin before sample 2^48, \
+                 and ask for at most 2^31 samples at a time"
             )));
         }
         let mut bytes = vec![0u8; count * bits / 8];

@@ -2,8 +2,9 @@
 
 use super::combo::JointLoops;
 use super::config::TrackConfig;
+use super::epoch::{Epoch, Measured};
 use super::log::{ComboRows, State};
-use super::sideband::{Epoch, Measured, Sideband};
+use super::sideband::Sideband;
 use crate::dsp::prefix::PrefixBand;
 
 /// Two integrations belong together if they end within this, s.

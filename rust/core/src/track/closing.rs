@@ -3,8 +3,9 @@
 use num_complex::Complex;
 
 use super::discriminator as disc;
+use super::epoch::{Epoch, Measured};
 use super::log::State;
-use super::sideband::{Epoch, Measured, Sideband, Sync};
+use super::sideband::{Sideband, Sync};
 use crate::C64;
 
 /// Frequency lock alone for this long, then phase lock with a little of it, s.
@@ -30,10 +31,12 @@ impl Sideband {
         } else {
             disc::costas(prompt)
         };
+        let code_error_chips = self.code_error(epoch);
         Measured {
             phase_error,
+            code_error_chips,
             phase_cycles: self.spec.phase_offset_cycles - (epoch.carrier_cycles + phase_error),
-            code_chips: epoch.code_chips + self.code_error(epoch),
+            code_chips: epoch.code_chips + code_error_chips,
         }
     }
 
@@ -94,7 +97,7 @@ impl Sideband {
 
     fn finish(&mut self, epoch: &Epoch, measured: &Measured, doppler_hz: f64, recorded: State) {
         self.record(epoch, measured, recorded);
-        let code_rate = self.code.update(self.code_error(epoch));
+        let code_rate = self.code.update(measured.code_error_chips);
         self.in_state_s += epoch.interval_s();
         self.steer(doppler_hz, code_rate);
         if self.state != State::Lost {
@@ -185,6 +188,8 @@ impl Sideband {
         rows.carrier_phase_cycles.push(measured.phase_cycles);
         rows.doppler_hz.push(doppler_hz);
         rows.code_phase_chips.push(measured.code_chips);
+        rows.phase_error_cycles.push(measured.phase_error);
+        rows.code_error_chips.push(measured.code_error_chips);
         rows.cn0_dbhz.push(self.cn0.dbhz());
         rows.phase_lock.push(self.lock.value());
         rows.taps.extend(

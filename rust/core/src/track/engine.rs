@@ -4,8 +4,9 @@ use rayon::prelude::*;
 
 use super::channel::Channel;
 use super::config::TrackConfig;
+use super::epoch::Seed;
 use super::log::State;
-use super::sideband::{Seed, Sideband};
+use super::sideband::Sideband;
 use crate::dsp::prefix::PrefixBand;
 use crate::sample::SampleFormat;
 use crate::signal;

@@ -33,6 +33,10 @@ pub struct SignalRows {
     pub doppler_hz: Vec<f64>,
     /// Measured received code phase since the channel's start.
     pub code_phase_chips: Vec<f64>,
+    /// Carrier discriminator.
+    pub phase_error_cycles: Vec<f64>,
+    /// Code discriminator.
+    pub code_error_chips: Vec<f64>,
     /// C/N0 estimate.
     pub cn0_dbhz: Vec<f64>,
     /// Phase-lock indicator.

@@ -10,6 +10,7 @@ pub mod combo;
 pub mod config;
 pub mod discriminator;
 pub mod engine;
+pub mod epoch;
 pub mod log;
 pub mod loop_filter;
 pub mod quality;
