@@ -1,8 +1,9 @@
 """Onset of a disturbance: the maximum-likelihood change point of the trace before the alarm.
 
-Model: a line before the change, and after it a parabola that may start with a jump (a capture
-jumps, a drag then accelerates or beats). The noise is white and Gaussian, so the most likely
-change minimises the sum of squared residuals of both fits.
+Two models of the disturbance, after a line before it: a kink (a drag that begins in phase), or a
+new line after a jump (a capture with any phase). The noise is white and Gaussian, so the most
+likely change of either model minimises its sum of squared residuals; the jump has a parameter
+more and must earn it by the Bayesian information criterion.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from sdr_spoof.detectors.series import StatisticSeries
 MIN_BEFORE = 10
 """Fewest rows that fix the line before the change."""
 MIN_AFTER = 4
-"""Fewest rows after the change: one more than the parabola's parameters."""
+"""Fewest rows after the change: two more than a line has parameters."""
 
 
 def onset_time(series: StatisticSeries, row: int, lookback_s: float) -> float:
@@ -40,14 +41,36 @@ def onset_time(series: StatisticSeries, row: int, lookback_s: float) -> float:
 
 
 def change_point(time_s: NDArray[np.float64], values: NDArray[np.float64]) -> int:
-    """First row after the change, of the least-squares line + parabola; O(N)."""
+    """First row after the most likely change, a kink or a jump; O(N)."""
     candidates = np.arange(MIN_BEFORE, time_s.size - MIN_AFTER + 1)
-    scale = float(time_s[-1])
-    x = time_s / scale
+    x = time_s / float(time_s[-1])
     before = _growing_rss(x, values, 2)
-    after = _growing_rss(1.0 - x[::-1], values[::-1], 3)[::-1]
-    total = before[candidates - 1] + after[candidates]
-    return int(candidates[np.argmin(total)])
+    after = _growing_rss(1.0 - x[::-1], values[::-1], 2)[::-1]
+    jump = before[candidates - 1] + after[candidates]
+    kink = _kink_rss(x, values, candidates)
+    price = float(jump.min()) / values.size * np.log(values.size)
+    best = kink if float(kink.min()) < float(jump.min()) + price else jump
+    return int(candidates[np.argmin(best)])
+
+
+def _kink_rss(
+    x: NDArray[np.float64], y: NDArray[np.float64], candidates: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Residual sum of squares of a line that turns at the row before each candidate.
+
+    The turn max(x - x_k, 0) is projected off the line; its products come from sums over tails.
+    """
+    basis, _ = np.linalg.qr(np.vander(x, 2))
+    residual = y - basis @ (basis.T @ y)
+    turn_at = x[candidates - 1]
+
+    def product(weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        tails = [np.cumsum(w[::-1])[::-1][candidates] for w in (weights * x, weights)]
+        return np.asarray(tails[0] - turn_at * tails[1])
+
+    along = product(basis[:, 0]) ** 2 + product(basis[:, 1]) ** 2
+    square = product(x) - turn_at * product(np.ones(x.size)) - along
+    return np.asarray(residual @ residual - product(residual) ** 2 / square)
 
 
 def _growing_rss(

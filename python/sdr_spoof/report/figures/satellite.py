@@ -97,6 +97,8 @@ def _shape(axes: Axes, track: SignalTrack, part: NDArray[np.bool_], colour: str)
         return
     offset_m = track.tap_offsets_s * C_M_S
     order = np.argsort(offset_m)
+    chip_m = C_M_S / _core.signal_spec(track.signal)["chip_rate_hz"]
+    order = order[np.abs(offset_m[order]) < 1.5 * chip_m]  # taps further out measure noise
     shape = correlation_shape(track, part)
     axes.plot(offset_m[order], shape[order], "o-", color=colour, markersize=4)
 

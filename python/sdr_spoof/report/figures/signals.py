@@ -55,6 +55,7 @@ def draw_cn0(log: TrackLog, spoofed: Sequence[tuple[str, int]]) -> str:
 
     def draw(figure: Figure) -> None:
         panels = figure.subplots(1, max(len(signals), 1), sharey=True, squeeze=False)[0]
+        names: list[list[tuple[float, str, str]]] = []
         for axes, signal in zip(panels, signals, strict=False):
             tracks = [t for t in log.signals if t.signal == signal]
             ends = []
@@ -67,11 +68,13 @@ def draw_cn0(log: TrackLog, spoofed: Sequence[tuple[str, int]]) -> str:
                 name = satellite_name(system_of(signal), track.prn)
                 end = float(np.median(track.cn0_dbhz[held[-200:]]))
                 ends.append((end, name, style.colour(signal) if hit else style.MUTED))
-            _name_lines(axes, ends, log.duration_s)
+            names.append(ends)
             axes.set_title(signal)
             axes.set_xlabel("Time (s)")
             axes.set_xlim(0, log.duration_s * 1.06)
         panels[0].set_ylabel("C/N0 (dB-Hz)")
+        for axes, ends in zip(panels, names, strict=False):  # after all lines: one common scale
+            _name_lines(axes, ends, log.duration_s)
 
     return style.render(draw, 10.0, 3.2)
 
