@@ -99,7 +99,7 @@ def _scenario() -> Scenario:
 
 
 def _jobs(scenario: Scenario, folder: Path) -> Iterator[_Job]:
-    recording = open_recording(synthesize(scenario, folder / "bench").meta)
+    recording = open_recording(synthesize(scenario, folder / "bench"))
     rate_hz = recording.format.sample_rate_hz
     yield _synth_job(scenario)
     config = AcquisitionConfig()

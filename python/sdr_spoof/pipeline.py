@@ -10,7 +10,7 @@ from .acquisition import acquire
 from .errors import OutputError
 from .progress import silent
 from .report import TruthMark, write_report
-from .scenario import builtin_scenario, synthesize
+from .scenario import builtin_scenario, synthesize, truth_path
 from .sinks.hdf5 import Result, write_result
 from .sources import open_recording
 from .tracking import track
@@ -149,10 +149,10 @@ def demo(
     prepare(out, ("demo.sigmf-data", "result.h5", "report.html"), force=force)
     scenario = builtin_scenario("demo")
     with stages("Synthesising") as progress:
-        files = synthesize(scenario, out / "demo", threads=threads, force=force, progress=progress)
-    truth = json.loads(files.truth.read_text(encoding="utf-8"))
+        meta = synthesize(scenario, out / "demo", threads=threads, force=force, progress=progress)
+    truth = json.loads(truth_path(meta).read_text(encoding="utf-8"))
     processed = process(
-        open_recording(files.meta),
+        open_recording(meta),
         config,
         out=out,
         threads=threads,

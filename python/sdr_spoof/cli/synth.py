@@ -25,28 +25,28 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
-    from sdr_spoof.scenario import load_scenario, synthesize  # noqa: PLC0415
+    from sdr_spoof.scenario import load_scenario, synthesize, truth_path  # noqa: PLC0415
 
     scenario = load_scenario(arguments.scenario)
     with ui.stages("Synthesising") as progress:
-        files = synthesize(
+        meta = synthesize(
             scenario,
             arguments.output,
             threads=arguments.threads,
             force=arguments.force,
             progress=progress,
         )
+    truth = truth_path(meta)
 
     def render(console: Console) -> None:
-        console.print(f"Recording: {files.meta}", highlight=False, soft_wrap=True)
-        console.print(f"Truth:     {files.truth}", highlight=False, soft_wrap=True)
+        console.print(f"Recording: {meta}", highlight=False, soft_wrap=True)
+        console.print(f"Truth:     {truth}", highlight=False, soft_wrap=True)
 
     data = {
-        "recording": files.meta,
-        "data": files.data,
-        "truth": files.truth,
-        "sample_count": files.sample_count,
-        "duration_s": files.sample_count / scenario.recording.sample_rate_hz,
+        "recording": meta,
+        "truth": truth,
+        "sample_count": scenario.recording.sample_count,
+        "duration_s": scenario.recording.duration_s,
     }
     return Outcome(data, render)
 
