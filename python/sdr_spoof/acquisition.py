@@ -28,7 +28,7 @@ from .records import Acquisition
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    from .sources import Recording
+    from .sources.source import Source
 
     Progress = Callable[[float, float], None]
 
@@ -98,7 +98,7 @@ class _Plan:
 
 
 def acquire(
-    recording: Recording,
+    recording: Source,
     config: AcquisitionConfig,
     *,
     signals: Sequence[str] | None = None,
@@ -148,7 +148,7 @@ def _processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _ordered(recording: Recording, signals: Sequence[str] | None) -> list[str]:
+def _ordered(recording: Source, signals: Sequence[str] | None) -> list[str]:
     """Signals to search, each after the one that hands over to it."""
     if signals is None:
         signals = [s for s in recording.signals() if s not in NOT_BY_DEFAULT]
@@ -165,7 +165,7 @@ def _ordered(recording: Recording, signals: Sequence[str] | None) -> list[str]:
 
 
 def _plan(
-    recording: Recording,
+    recording: Source,
     config: AcquisitionConfig,
     signal: str,
     prns: Iterable[int] | None,
@@ -217,7 +217,7 @@ class _SignalSearch:
 
     def __init__(
         self,
-        recording: Recording,
+        recording: Source,
         plan: _Plan,
         config: AcquisitionConfig,
         start_sample: int,

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from .progress import Progress
-    from .sources import Recording
+    from .sources.source import Source
 
 QMBOC_HALF_BANDWIDTH_HZ = 7.161e6
 """The BOC(6,1) part of the B1C pilot lies 6.138 MHz beside the carrier, one lobe each way."""
@@ -62,7 +62,7 @@ class TrackingConfig(BaseModel):
 
 
 def track(
-    recording: Recording,
+    recording: Source,
     acquisitions: Sequence[Acquisition],
     config: TrackingConfig | None = None,
     *,
@@ -136,7 +136,7 @@ def _targets(
 
 
 def _tracker(
-    recording: Recording,
+    recording: Source,
     targets: list[tuple[str, int, int, float, float]],
     config: TrackingConfig,
     start: int,
@@ -162,7 +162,7 @@ def _tracker(
         raise ConfigError(str(error)) from error
 
 
-def _holds_qmboc(recording: Recording) -> bool:
+def _holds_qmboc(recording: Source) -> bool:
     """Whether the recorded band reaches the BOC(6,1) lobes of the B1C pilot."""
     form = recording.format
     offset = abs(signal_spec("B1CP").carrier_hz - form.lo_hz)
@@ -175,7 +175,7 @@ def _holds_qmboc(recording: Recording) -> bool:
     return min(offset - low, high - offset) >= QMBOC_HALF_BANDWIDTH_HZ
 
 
-def _blocks(recording: Recording, start: int, block_s: float) -> Iterator[tuple[int, int]]:
+def _blocks(recording: Source, start: int, block_s: float) -> Iterator[tuple[int, int]]:
     """(first sample, count) of the blocks; cut also at whole seconds of the recording."""
     rate = recording.format.sample_rate_hz
     size = max(8, round(block_s * rate) // 8 * 8)
@@ -189,18 +189,16 @@ def _blocks(recording: Recording, start: int, block_s: float) -> Iterator[tuple[
         begin = end
 
 
-def _second(recording: Recording, number: int) -> int:
+def _second(recording: Source, number: int) -> int:
     """First sample of a second of the recording, on a whole byte in any format."""
     return round(number * recording.format.sample_rate_hz) // 8 * 8
 
 
-def _is_whole_second(recording: Recording, sample: int) -> bool:
+def _is_whole_second(recording: Source, sample: int) -> bool:
     return sample == _second(recording, round(sample / recording.format.sample_rate_hz))
 
 
-def _reacquire(
-    tracker: _core.Tracker, recording: Recording, sample: int, threads: int | None
-) -> None:
+def _reacquire(tracker: _core.Tracker, recording: Source, sample: int, threads: int | None) -> None:
     """Search near their last Doppler for the signals that are lost at this sample."""
     for signal, prn, _doppler_hz in tracker.lost():
         found = acquire(

@@ -1,4 +1,4 @@
-"""Law of the search statistic; the long studies are in ``acquisition_study.run``."""
+"""Law of the search statistic; the long studies are in ``studies.acquisition.run``."""
 
 import math
 
@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from sdr_spoof.acquisition_study import Grid, detections, false_alarms, theoretical_pd
 from sdr_spoof.acquisition_threshold import threshold
+from sdr_spoof.studies.acquisition import Grid, detections, false_alarms, theoretical_pd
 
 
 def test_threshold_of_independent_cells_is_exact():

@@ -17,7 +17,7 @@ from pydantic import ValidationError
 
 from sdr_spoof.errors import ConfigError, SdrSpoofError
 
-from . import acquire, bench, demo, info, process, synth, track
+from . import acquire, bench, demo, info, process, synth, track, validate
 from .command import INTERRUPTED, Command, Outcome, to_plain
 from .ui import Ui
 
@@ -34,6 +34,7 @@ COMMANDS: tuple[Command, ...] = (
     process.COMMAND,
     demo.COMMAND,
     bench.COMMAND,
+    validate.COMMAND,
 )
 
 

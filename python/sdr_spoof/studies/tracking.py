@@ -212,7 +212,9 @@ def phase_sigma(bandwidth_hz: float, cn0_dbhz: Sequence[float], interval_s: floa
     return float(np.sqrt(variance.sum()) / cn0.size / (2 * np.pi))
 
 
-def code_sigma(track: SignalTrack, bandwidth_hz: float, cn0_dbhz: float, interval_s: float) -> float:
+def code_sigma(
+    track: SignalTrack, bandwidth_hz: float, cn0_dbhz: float, interval_s: float
+) -> float:
     """Thermal code jitter in chips, for the taps and modulation that the track used."""
     spec = signal_spec(track.signal)
     half = float(track.tap_offsets_s[track.prompt_tap + 1]) * spec.chip_rate_hz
@@ -230,7 +232,9 @@ def _kept(track: SignalTrack, state: State) -> NDArray[np.bool_]:
 
 
 def _emitter(plan: Scenario, track: SignalTrack) -> _core.Emitter:
-    return next(t.emitter for t in transmissions(plan) if (t.signal, t.prn) == (track.signal, track.prn))
+    return next(
+        t.emitter for t in transmissions(plan) if (t.signal, t.prn) == (track.signal, track.prn)
+    )
 
 
 def _phase_error(plan: Scenario, track: SignalTrack, keep: NDArray[np.bool_]) -> Floats:

@@ -20,9 +20,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.stats import binomtest, ncx2
 
-from . import _core
-from .acquisition import AcquisitionConfig
-from .acquisition_threshold import threshold
+from sdr_spoof import _core
+from sdr_spoof.acquisition import AcquisitionConfig
+from sdr_spoof.acquisition_threshold import threshold
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -8,14 +8,15 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.stats import binomtest
 
-from .acquisition import AcquisitionConfig
-from .acquisition_study import default_grid, theoretical_pd
+from sdr_spoof.acquisition import AcquisitionConfig
+
+from .acquisition import default_grid, theoretical_pd
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from .acquisition_study import PdPoint
+    from .acquisition import PdPoint
 
 
 def draw(path: Path, points: Sequence[PdPoint]) -> None:
