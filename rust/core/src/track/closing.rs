@@ -132,8 +132,8 @@ impl Sideband {
         let interval = epoch.interval_s();
         self.cn0.add_prompt(prompt, interval);
         if self.state != State::PullIn || self.phase_loop {
-            self.lock
-                .add(prompt, self.cn0.noise_power(interval), interval);
+            let snr = self.snr();
+            self.lock.add(prompt, snr, interval);
         }
         let lost = match self.state {
             State::PullIn => self.pull_in_s > PULL_IN_S,

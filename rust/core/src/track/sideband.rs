@@ -34,6 +34,8 @@ pub struct Sideband {
     pub spec: &'static SignalSpec,
     /// Which of the tracker's bands it is in.
     pub band: usize,
+    /// How the replica's chips are shaped.
+    pub modulation: Modulation,
     /// The taps.
     pub taps: Taps,
     /// Rows recorded so far.
@@ -92,6 +94,7 @@ impl Sideband {
         let mut sideband = Sideband {
             spec,
             band,
+            modulation,
             rows: SignalRows::default(),
             config: config.clone(),
             sample_rate_hz,
