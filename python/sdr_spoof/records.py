@@ -53,6 +53,8 @@ class SignalTrack:
 
     signal: str
     prn: int
+    modulation: str
+    """How the replica's chips are shaped: Bpsk, Boc11 or Qmboc."""
     tap_offsets_s: NDArray[np.float64]
     """Replica delay of each correlator tap (positive = late), shape (taps,)."""
     prompt_tap: int

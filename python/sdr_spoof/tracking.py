@@ -10,7 +10,6 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from . import _core
@@ -212,13 +211,3 @@ def _reacquire(tracker: _core.Tracker, recording: Source, sample: int, threads: 
         for acquisition in found:
             if acquisition.detected and acquisition.signal == signal:
                 tracker.restart(_target(acquisition))
-
-
-def code_phase_residual_m(track: SignalTrack) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """Code minus carrier in metres, first value taken as zero; shape (N,)."""
-    spec = signal_spec(track.signal)
-    light = 299_792_458.0
-    code_m = -(track.code_phase_chips / spec.chip_rate_hz - track.time_s) * light
-    carrier_m = track.carrier_phase_cycles * light / spec.carrier_hz
-    residual = code_m - carrier_m
-    return residual - residual[:1]

@@ -116,6 +116,7 @@ def sideband(combo: ComboTrack, signal: str, *, seed=2) -> SignalTrack:
     return SignalTrack(
         signal=signal,
         prn=combo.prn,
+        modulation="Boc11" if upper else "Bpsk",
         tap_offsets_s=offsets,
         prompt_tap=2,
         time_s=time,

@@ -53,4 +53,13 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
     return Outcome({"machine": here, "measurements": measurements}, render)
 
 
-COMMAND = Command("bench", "measure the speed of each stage on this machine", _configure, _run)
+COMMAND = Command(
+    "bench",
+    "measure the speed of each stage on this machine",
+    _configure,
+    _run,
+    usage="[--repeats N] [options]",
+    details="Runs synthesis, acquisition and tracking on made-up samples and prints millions of "
+    "samples per second.",
+    examples=("sdr-spoof bench", "sdr-spoof bench --repeats 20 --json"),
+)

@@ -66,17 +66,26 @@ class Jitter:
         return self.measured / self.expected
 
 
-def scenario(cn0_dbhz: float, duration_s: float, *, prns: Sequence[int] = PRNS) -> Scenario:
-    """B1I and the B1C pilot of several satellites, each component at the given C/N0."""
+def scenario(
+    cn0_dbhz: float,
+    duration_s: float,
+    *,
+    prns: Sequence[int] = PRNS,
+    sample_rate_hz: float = 40e6,
+) -> Scenario:
+    """B1I and the B1C pilot of several satellites, each component at the given C/N0.
+
+    At 40 Msps the whole QMBOC pilot is in the band, at 20 Msps its BOC(1,1) part.
+    """
     return Scenario.model_validate(
         {
             "title": f"{cn0_dbhz} dB-Hz",
             "recording": {
                 "duration_s": duration_s,
-                "sample_rate_hz": 40e6,
+                "sample_rate_hz": sample_rate_hz,
                 "lo_hz": 1568.259e6,
                 "sample_format": "ci8",
-                "seed": 77,
+                "seed": 77 + round(10 * cn0_dbhz),
             },
             "satellite": [
                 {
@@ -125,7 +134,7 @@ def run(
     """
     rows: list[Jitter] = []
     for k, cn0_dbhz in enumerate(CN0_DBHZ):
-        rows += measure(cn0_dbhz, duration_s, threads=threads)
+        rows += measure(scenario(cn0_dbhz, duration_s), cn0_dbhz, threads=threads)
         if progress:
             progress(k + 1, len(CN0_DBHZ))
     table = [{**asdict(r), "ratio": r.ratio} for r in rows]
@@ -143,16 +152,14 @@ def run(
 
 
 def measure(
+    plan: Scenario,
     cn0_dbhz: float,
-    duration_s: float,
     *,
     config: TrackingConfig | None = None,
-    prns: Sequence[int] = PRNS,
     threads: int | None = None,
 ) -> list[Jitter]:
-    """Jitter of the single-sideband loops and of the combo loops at one C/N0."""
+    """Jitter of the single-sideband loops and of the combo loops in a :func:`scenario`."""
     config = config or TrackingConfig()
-    plan = scenario(cn0_dbhz, duration_s, prns=prns)
     logs = [
         track(
             LiveRecording(plan, threads),
@@ -174,10 +181,11 @@ def _single(
         interval = config.integration_ms * 1e-3
         phase = [_phase_error(plan, t, k) for t, k in zip(tracks, kept, strict=True)]
         code = [_code_error(plan, t, k) for t, k in zip(tracks, kept, strict=True)]
-        expected = phase_sigma(config.pll_bandwidth_hz, [cn0_dbhz], interval)
+        received_dbhz = cn0_dbhz + 10 * np.log10(received_share(tracks[0]))
+        expected = phase_sigma(config.pll_bandwidth_hz, [received_dbhz], interval)
         pll, dll = config.pll_bandwidth_hz, config.dll_bandwidth_hz
         yield _jitter(f"{signal} phase", "cycle", cn0_dbhz, pll, phase, expected, interval)
-        expected = code_sigma(tracks[0], dll, cn0_dbhz, interval)
+        expected = code_sigma(tracks[0], dll, received_dbhz, interval)
         yield _jitter(f"{signal} code", "chip", cn0_dbhz, dll, code, expected, interval)
 
 
@@ -185,6 +193,8 @@ def _combo(
     plan: Scenario, log: TrackLog, config: TrackingConfig, cn0_dbhz: float
 ) -> Iterator[Jitter]:
     main, sub = [], []
+    pair = [next(t for t in log.signals if t.signal == s) for s in ("B1I", "B1CP")]
+    received_dbhz = [cn0_dbhz + 10 * float(np.log10(received_share(t))) for t in pair]
     interval = config.integration_ms * 1e-3
     for combo in log.combos:
         lower, upper = (
@@ -201,8 +211,14 @@ def _combo(
         ("combo main", main, config.main_bandwidth_hz),
         ("combo subcarrier", sub, config.subcarrier_bandwidth_hz),
     ):
-        expected = phase_sigma(bandwidth, [cn0_dbhz, cn0_dbhz], interval)
+        expected = phase_sigma(bandwidth, received_dbhz, interval)
         yield _jitter(name, "cycle", cn0_dbhz, bandwidth, errors, expected, interval)
+
+
+def received_share(track: SignalTrack) -> float:
+    """Share of the signal's power that the replica takes: BOC(1,1) has 29/33 of QMBOC's."""
+    sent = signal_spec(track.signal).modulation
+    return 29 / 33 if (sent, track.modulation) == ("Qmboc", "Boc11") else 1.0
 
 
 def phase_sigma(bandwidth_hz: float, cn0_dbhz: Sequence[float], interval_s: float) -> float:
@@ -218,7 +234,7 @@ def code_sigma(
     """Thermal code jitter in chips, for the taps and modulation that the track used."""
     spec = signal_spec(track.signal)
     half = float(track.tap_offsets_s[track.prompt_tap + 1]) * spec.chip_rate_hz
-    correlation, slope = _core.early_late(spec.modulation, half)
+    correlation, slope = _core.early_late(track.modulation, half)
     cn0 = 10 ** (cn0_dbhz / 10)
     squaring = 1 + 1 / (cn0 * interval_s)
     return float(np.sqrt(2 * bandwidth_hz * (1 - correlation) / (cn0 * slope**2) * squaring))

@@ -132,6 +132,7 @@ fn signal_rows<'py>(py: Python<'py>, prn: u16, s: &Sideband) -> PyResult<Bound<'
     let offsets = s.tap_offsets_s();
     d.set_item("signal", s.spec.id)?;
     d.set_item("prn", prn)?;
+    d.set_item("modulation", format!("{:?}", s.modulation))?;
     d.set_item("prompt_tap", s.taps.prompt)?;
     d.set_item("time_s", array(py, &rows.time_s))?;
     d.set_item("integration_s", array(py, &rows.integration_s))?;

@@ -98,11 +98,15 @@ impl Cn0 {
     }
 }
 
-/// Phase lock: mean of cos(2 phase error), noise removed; 1 locked, 0 not, -1 a quarter off.
+/// Phase lock: mean of cos(2 phase error) over what noise alone leaves of it; 1 locked, 0 not,
+/// -1 a quarter of a cycle off.
+///
+/// Every prompt counts alike: were they weighted by power, a signal that vanishes would be
+/// remembered for as long as its power dwarfs the noise.
 #[derive(Debug, Clone)]
 pub struct PhaseLock {
     aligned: RunningMean,
-    signal: RunningMean,
+    snr: f64,
 }
 
 impl PhaseLock {
@@ -110,28 +114,25 @@ impl PhaseLock {
     pub fn new(memory_s: f64) -> Self {
         PhaseLock {
             aligned: RunningMean::new(memory_s),
-            signal: RunningMean::new(memory_s),
+            snr: 1.0,
         }
     }
 
-    /// Adds a prompt, and the mean noise power in it.
-    pub fn add(&mut self, prompt: C64, noise_power: f64, interval_s: f64) {
-        self.aligned
-            .add(prompt.re * prompt.re - prompt.im * prompt.im, interval_s);
-        self.signal.add(prompt.norm_sqr() - noise_power, interval_s);
+    /// Adds a prompt of a signal-to-noise ratio (C/N0 times the interval).
+    pub fn add(&mut self, prompt: C64, snr: f64, interval_s: f64) {
+        self.aligned.add((2.0 * prompt.arg()).cos(), interval_s);
+        self.snr = snr;
     }
 
     /// The indicator in [-1, 1]; 0 while empty.
     pub fn value(&self) -> f64 {
-        if self.signal.value() > 0.0 {
-            (self.aligned.value() / self.signal.value()).clamp(-1.0, 1.0)
-        } else {
-            0.0
-        }
+        // Mean of cos(2 error) of a phasor in Gaussian noise.
+        let left = 1.0 - (1.0 - (-self.snr).exp()) / self.snr;
+        (self.aligned.value() / left).clamp(-1.0, 1.0)
     }
 
     /// Seconds added.
     pub fn elapsed_s(&self) -> f64 {
-        self.signal.elapsed_s()
+        self.aligned.elapsed_s()
     }
 }

@@ -1,0 +1,246 @@
+"""Tracking of synthesised signals: truth, states, and independence of blocks and threads."""
+
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sdr_spoof import _core
+from sdr_spoof.acquisition import AcquisitionConfig, acquire
+from sdr_spoof.errors import ConfigError
+from sdr_spoof.records import Acquisition, State
+from sdr_spoof.sources import RecordingFormat, open_recording
+from sdr_spoof.studies import tracking as study
+from sdr_spoof.tracking import TrackingConfig, track
+
+RATE_HZ = 20e6
+LO_HZ = 1568.259e6
+
+
+class Synthetic:
+    """A recording of given emitters."""
+
+    def __init__(self, emitters, duration_s, *, rate_hz=RATE_HZ, lo_hz=LO_HZ, seed=5):
+        self.path = Path("synthetic")
+        self.format = RecordingFormat(sample_format="ci8", sample_rate_hz=rate_hz, lo_hz=lo_hz)
+        self.sample_count = round(duration_s * rate_hz)
+        self._synthesizer = _core.Synthesizer(
+            "ci8", rate_hz, lo_hz, emitters, noise_rms_lsb=16.0, seed=seed
+        )
+
+    def read_raw(self, start, count):
+        return self._synthesizer.generate(start, max(0, min(count, self.sample_count - start)))
+
+    def check_signal(self, signal):
+        pass
+
+    def signals(self):
+        return ["B1I", "B1CP"]
+
+
+def seed_of(emitter, signal, prn, *, doppler_error_hz=4.0):
+    """What a good acquisition at sample 0 would give."""
+    spec = _core.signal_spec(signal)
+    phase = float(emitter.code_phase_chips(np.zeros(1))[0])
+    delay_s = (-phase % spec["code_length"] + 0.03) / spec["chip_rate_hz"]
+    doppler_hz = float(emitter.doppler_hz(np.zeros(1))[0]) + doppler_error_hz
+    return Acquisition(signal, prn, True, 0, doppler_hz, delay_s, 45.0, 99.0, 9.0, 50.0)
+
+
+def run_one(signal, prn, *, duration_s=1.5, cn0_dbhz=45.0, config=None, **more):
+    """Track one emitter; gives the track and the emitter."""
+    spec = _core.signal_spec(signal)
+    emitter = _core.Emitter(
+        signal, prn, cn0_dbhz, delay_s=0.0712345, doppler_hz=1234.5, data_seed=3, **more
+    )
+    source = Synthetic([emitter], duration_s, rate_hz=8e6, lo_hz=spec["carrier_hz"] - 0.4e6)
+    log = track(source, [seed_of(emitter, signal, prn)], config, threads=1)
+    return log.signals[0], emitter
+
+
+def same(a, b):
+    for field in fields(a):
+        x, y = getattr(a, field.name), getattr(b, field.name)
+        if isinstance(x, np.ndarray):
+            assert x.dtype == y.dtype
+            assert x.tobytes() == y.tobytes(), field.name
+        else:
+            assert x == y, field.name
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory):
+    """2.2 s of two satellites in both bands, on disk."""
+    plan = study.scenario(45.0, 2.2, prns=(19, 27), sample_rate_hz=RATE_HZ)
+    path = tmp_path_factory.mktemp("recording") / "two.bin"
+    study.LiveRecording(plan).read_raw(0, plan.recording.sample_count).tofile(path)
+    return open_recording(
+        path, {"sample_format": "ci8", "sample_rate_hz": RATE_HZ, "lo_hz": LO_HZ}
+    ), study.seeds(plan)
+
+
+@pytest.fixture(scope="module")
+def log(recording):
+    return track(*recording, threads=1)
+
+
+@pytest.mark.parametrize(("block_s", "threads"), [(0.001, 1), (0.0073, 2), (1.0, 2)])
+def test_blocks_and_threads_do_not_matter(recording, log, block_s, threads):
+    other = track(*recording, threads=threads, block_s=block_s)
+    assert len(other.signals) == 4
+    for a, b in zip((*log.signals, *log.combos), (*other.signals, *other.combos), strict=True):
+        same(a, b)
+
+
+def test_both_sidebands_join_and_agree(log):
+    assert [c.prn for c in log.combos] == [19, 27]
+    for combo in log.combos:
+        joined = combo.state == State.COMBO
+        assert joined[-50:].all()
+        assert combo.subcarrier_lock[-1] > 0.9
+        assert np.diff(combo.time_s) == pytest.approx(0.01, abs=1e-6)
+        # Synthesised without delay between the bands; 10 ms code noise is about 10 ns.
+        difference_s = combo.code_difference_s[joined]
+        assert abs(difference_s.mean()) < 4 * difference_s.std() / np.sqrt(joined.sum() / 10)
+        # The scaled difference of the carrier phases stands still (DESIGN trap 1).
+        ratio = 1575.42 / 1561.098
+        scaled = (combo.phase_upper_cycles - ratio * combo.phase_lower_cycles)[joined]
+        rate_hz = np.polyfit(combo.time_s[joined], np.unwrap(scaled, period=0.5), 1)[0]
+        assert abs(rate_hz) < 0.05
+
+
+def test_joining_makes_no_phase_jump(log):
+    for t in log.signals:
+        first = int(np.flatnonzero(t.state == State.COMBO)[0])
+        phase = t.carrier_phase_cycles[first - 10 : first + 10]
+        bend = np.diff(phase, 2)
+        assert np.abs(bend).max() < 0.1, (t.signal, t.prn)
+
+
+@pytest.mark.parametrize(
+    ("signal", "prn", "integration_s"),
+    [
+        ("B1I", 30, 0.010),
+        ("B1I", 3, 0.002),  # GEO: D2, symbols of 2 ms, no NH code
+        ("B1CP", 30, 0.010),
+        ("B1CD", 30, 0.010),
+        ("L1CA", 7, 0.010),
+        ("L1CA", 131, 0.002),  # SBAS
+    ],
+)
+def test_every_signal_synchronises_and_follows_the_truth(signal, prn, integration_s):
+    t, emitter = run_one(signal, prn, duration_s=2.5)
+    assert t.state[-1] == State.SYNCED
+    assert t.integration_s[-1] == pytest.approx(integration_s)
+    rows = (t.state == State.SYNCED) & (t.time_s > t.time_s[t.state == State.SYNCED][0] + 0.3)
+    time_s = t.time_s[rows]
+    # Carrier: grows as range grows, the pilot's sign known, the others' up to half a cycle.
+    error = t.carrier_phase_cycles[rows] + emitter.received_phase_cycles(time_s)
+    ambiguity = 1.0 if signal == "B1CP" else 0.5
+    error -= np.round(error.mean() / ambiguity) * ambiguity
+    spec = _core.signal_spec(signal)
+    cn0 = 10 ** (4.5 + (np.log10(29 / 33) if signal == "B1CP" else 0.0))
+    sigma = np.sqrt(1 / (2 * cn0 * integration_s)) / (2 * np.pi)
+    assert error.std() == pytest.approx(sigma, rel=0.25)
+    assert abs(error.mean()) < 4 * sigma * np.sqrt(2 / rows.sum())
+    # Code: mean within 4 sigma of the loop's own noise, and 0.01 chip for the sampled edges.
+    chips = t.code_phase_chips[rows] - emitter.code_phase_chips(time_s)
+    chips -= np.round(chips.mean() / spec["code_length"]) * spec["code_length"]
+    assert abs(chips.mean()) < 0.03
+    assert t.doppler_hz[rows].mean() == pytest.approx(emitter.doppler_hz(time_s).mean(), abs=0.5)
+    assert t.cn0_dbhz[-1] == pytest.approx(10 * np.log10(cn0), abs=0.6)
+
+
+def test_secondary_code_is_wiped_in_step():
+    t, _ = run_one("B1CP", 41, duration_s=1.5)
+    prompt = t.taps[t.state == State.SYNCED, t.prompt_tap]
+    assert prompt.size > 50
+    assert (prompt.real > 0).all()
+
+
+def test_b1i_epochs_keep_within_symbols():
+    t, _ = run_one("B1I", 30, duration_s=2.0)
+    synced = t.state == State.SYNCED
+    amplitude = np.abs(t.taps[synced, t.prompt_tap])
+    # Were they to straddle symbols or miss the NH code, half of them would nearly vanish.
+    assert amplitude.min() > 0.6 * amplitude.mean()
+
+
+def test_a_lost_signal_is_found_again():
+    silence = [(0.0, 0.0), (1.2, 0.0), (1.2001, -90.0), (1.9, -90.0), (1.9001, 0.0), (9.0, 0.0)]
+    t, emitter = run_one("B1CP", 33, duration_s=3.4, power_db=silence)
+    assert State.LOST in t.state
+    lost_s = float(t.time_s[t.state == State.LOST][0])
+    assert 1.2 < lost_s < 1.9
+    assert t.state[-1] == State.SYNCED
+    late = t.time_s > 3.0
+    error = t.carrier_phase_cycles[late] + emitter.received_phase_cycles(t.time_s[late])
+    assert np.abs(error - np.round(error.mean())).max() < 0.1
+
+
+def test_without_reacquisition_a_lost_signal_stays_lost():
+    silence = [(0.0, 0.0), (0.8, 0.0), (0.8001, -90.0), (1.1, -90.0), (1.1001, 0.0), (9.0, 0.0)]
+    config = TrackingConfig(reacquire=False, cn0_min_dbhz=30.0)
+    t, _ = run_one("B1I", 33, duration_s=2.2, power_db=silence, config=config)
+    assert t.state[-1] == State.LOST
+
+
+@pytest.mark.parametrize("side", [-0.5, 0.5])
+def test_side_peaks_of_boc_are_left(side):
+    emitter = _core.Emitter("B1CP", 29, 45.0, delay_s=0.0712345, doppler_hz=500.0)
+    seed = seed_of(emitter, "B1CP", 29)
+    wrong = Acquisition(**{**seed.__dict__, "code_delay_s": seed.code_delay_s + side / 1.023e6})
+    log = track(Synthetic([emitter], 2.0), [wrong], threads=1)
+    t = log.signals[0]
+    assert t.state[-1] == State.SYNCED
+    chips = t.code_phase_chips[-20:] - emitter.code_phase_chips(t.time_s[-20:])
+    chips -= np.round(chips / 10230) * 10230
+    # The early-late unit started at the wrong peak, and the whole-chip count is kept.
+    assert np.abs(chips - np.round(chips)).max() < 0.2
+    early, prompt, late = (np.abs(t.taps[-20:, k]).mean() for k in (0, 2, 4))
+    assert prompt > 1.5 * max(early, late)
+
+
+@pytest.mark.parametrize("cn0_dbhz", [30.0, 45.0])
+def test_jitter_follows_the_thermal_noise_formulas(cn0_dbhz):
+    """Within 4 standard errors and 8 %; the full study is ``sdr-spoof validate tracking``."""
+    plan = study.scenario(cn0_dbhz, 9.0, prns=(19, 27, 36), sample_rate_hz=RATE_HZ)
+    for row in study.measure(plan, cn0_dbhz, threads=2):
+        assert row.ratio == pytest.approx(1.0, abs=0.08 + 4 * row.standard_error), row
+
+
+def test_the_correlator_starts_anywhere(recording):
+    source, _ = recording
+    start = round(0.7 * RATE_HZ) // 8 * 8
+    found = acquire(
+        source, AcquisitionConfig(), signals=["B1I"], prns=[19], start_sample=start, threads=2
+    )
+    log = track(source, found, threads=1)
+    t = log.signals[0]
+    assert 0.7 < t.time_s[0] < 0.71
+    assert t.state[-1] == State.SYNCED
+    assert log.duration_s == pytest.approx(1.5)
+
+
+def test_acquisitions_of_different_samples_are_refused(recording):
+    source, (first, second, *_) = recording
+    moved = Acquisition(**{**second.__dict__, "sample_index": 80})
+    with pytest.raises(ConfigError, match="different samples"):
+        track(source, [first, moved])
+
+
+@pytest.mark.parametrize(
+    "values",
+    [{"integration_ms": 3}, {"integration_ms": 100}, {"pll_bandwidth_hz": 40.0}, {"dll_bandwidth_hz": 1e3}]
+)
+def test_impossible_settings_are_named(recording, values):
+    with pytest.raises(ConfigError, match=next(iter(values))):
+        track(*recording, TrackingConfig(**values))
+
+
+def test_nothing_to_track_is_an_empty_log(recording):
+    source, _ = recording
+    log = track(source, [])
+    assert log.signals == ()
+    assert not log.partial
