@@ -60,7 +60,7 @@ def case():
         "log": log,
         "verdict": detect(log),
         "detection": DetectionConfig(),
-        "truth": TruthMark(5.0, "C", 23),
+        "truth": TruthMark(4.0, 5.0, 6.0, "C", 23),
     }
 
 
