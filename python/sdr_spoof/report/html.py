@@ -22,6 +22,8 @@ from sdr_spoof.sinks.atomic import write_bytes
 from sdr_spoof.verdict import NO_SUPPORT, SPOOFED, statistics, system_of
 
 MARKS = {SPOOFED: "✖", "clean": "✔", NO_SUPPORT: "–"}
+MOST_DETAILS = 16
+"""Satellites drawn in detail, worst news first; more would make the report slow and large."""
 LIBRARIES = ("sdr-spoof", "numpy", "scipy", "matplotlib")
 
 
@@ -102,7 +104,8 @@ def render_report(
         cn0_figure=draw_cn0(log, hit) if log.signals else None,
         margins_figure=draw_margins([(s, detection) for s in tested], hit) if tested else None,
         key_figures=list(_key_figures(ordered, series, detection, truth)),
-        details=list(_details(ordered, log, series, detection, truth)),
+        details=list(_details(ordered[:MOST_DETAILS], log, series, detection, truth)),
+        left_out=[words.satellite_name(s.system, s.prn) for s in ordered[MOST_DETAILS:]],
         config=list(flatten(effective_config or {"detection": detection.model_dump()})),
         versions=[(name, version(name)) for name in LIBRARIES]
         + [("Python", platform.python_version())],

@@ -9,7 +9,7 @@ from sdr_spoof.verdict import NO_SUPPORT, SPOOFED
 
 
 def satellite_name(system: str, prn: int) -> str:
-    """RINEX satellite name, e.g. C23; SBAS and QZSS send L1 C/A too: S28 is PRN 128, J01 PRN 193."""
+    """RINEX satellite name, e.g. C23; L1 C/A of SBAS and QZSS: S28 is PRN 128, J01 PRN 193."""
     if system == "G" and prn >= 193:
         return f"J{prn - 192:02d}"
     if system == "G" and prn >= 120:

@@ -132,7 +132,7 @@ def _legend(figure: Figure, axes: Axes, alarm: Alarm | None, truth: TruthMark | 
     found = [(axes.get_lines()[0], "alarm threshold")]
     if alarm is not None:
         found += [
-            (_sample(style.ALARM, "-"), f"found: onset {alarm.onset_s:.2f} s"),
+            (_sample(style.ALARM, (0, ())), f"found: onset {alarm.onset_s:.2f} s"),
             (_sample(style.ALARM, (0, (2, 2))), f"found: alarm {alarm.alarm_s:.2f} s"),
         ]
     lines = truth.lines() if truth is not None else []
@@ -144,7 +144,7 @@ def _legend(figure: Figure, axes: Axes, alarm: Alarm | None, truth: TruthMark | 
     figure.legend(*zip(*found, strict=True), loc="outside lower center", ncols=3)
 
 
-def _sample(colour: str, dash: str | tuple[int, tuple[int, ...]]) -> Line2D:
+def _sample(colour: str, dash: tuple[int, tuple[int, ...]]) -> Line2D:
     """Line for the legend."""
     return Line2D([], [], color=colour, linewidth=1.5, linestyle=dash)
 
