@@ -204,9 +204,8 @@ def test_side_peaks_of_boc_are_left(side):
 
 @pytest.mark.parametrize("cn0_dbhz", [30.0, 45.0])
 def test_jitter_follows_the_thermal_noise_formulas(cn0_dbhz):
-    """Within 4 standard errors and 5 %; the full study is ``sdr-spoof validate tracking``."""
+    """Within 4 standard errors and 8 %; the full study is ``sdr-spoof validate tracking``."""
     plan = study.scenario(cn0_dbhz, 9.0, prns=(19, 27, 36), sample_rate_hz=RATE_HZ)
-    # BOC(1,1) reception of the QMBOC pilot loses 29/33 of C/N0.
     for row in study.measure(plan, cn0_dbhz, threads=2):
         assert row.ratio == pytest.approx(1.0, abs=0.08 + 4 * row.standard_error), row
 
@@ -232,7 +231,8 @@ def test_acquisitions_of_different_samples_are_refused(recording):
 
 
 @pytest.mark.parametrize(
-    "values", [{"integration_ms": 3}, {"pll_bandwidth_hz": 40.0}, {"dll_bandwidth_hz": 1e3}]
+    "values",
+    [{"integration_ms": 3}, {"integration_ms": 100}, {"pll_bandwidth_hz": 40.0}, {"dll_bandwidth_hz": 1e3}]
 )
 def test_impossible_settings_are_named(recording, values):
     with pytest.raises(ConfigError, match=next(iter(values))):

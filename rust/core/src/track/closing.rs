@@ -8,6 +8,7 @@ use super::frequency::BlockError;
 use super::log::State;
 use super::sideband::{Sideband, Sync};
 use crate::dsp::replica::SLICE_S;
+use crate::signal::Modulation;
 use crate::C64;
 
 /// The assisting frequency loop counts a block as so many prompts.
@@ -185,6 +186,9 @@ impl Sideband {
     /// A BOC correlation has side peaks half a chip away; on one of them, the very early or very
     /// late tap stands on the main peak and is the larger.
     fn guard_side_peak(&mut self, epoch: &Epoch) {
+        if self.modulation == Modulation::Bpsk {
+            return;
+        }
         let p = self.taps.prompt;
         let interval = epoch.interval_s();
         for (mean, tap) in self.side_peaks.iter_mut().zip([p - 2, p, p + 2]) {

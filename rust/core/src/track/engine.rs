@@ -130,13 +130,12 @@ impl Tracker {
             float_scale,
             ..
         } = self.input;
-        self.samples.clear();
-        format.unpack(bytes, float_scale, conjugate, &mut self.samples);
-        let width = if format.is_complex() { 2 } else { 1 };
-        let (samples, bands, channels) = (&self.samples, &mut self.bands, &mut self.channels);
+        let (samples, bands, channels) = (&mut self.samples, &mut self.bands, &mut self.channels);
         self.pool.install(|| {
-            for chunk in samples.chunks(CHUNK * width) {
-                bands.par_iter_mut().for_each(|band| band.feed(chunk));
+            for chunk in bytes.chunks(CHUNK * format.bits_per_sample() / 8) {
+                samples.clear();
+                format.unpack(chunk, float_scale, conjugate, samples);
+                bands.par_iter_mut().for_each(|band| band.feed(samples));
                 channels
                     .par_iter_mut()
                     .for_each(|channel| channel.advance(bands));
@@ -178,6 +177,7 @@ impl Tracker {
             .ok_or_else(|| {
                 Error::Invalid(format!("{} {} is not tracked", target.signal, target.prn))
             })?
-            .restart(target.seed, earliest)
+            .restart(target.seed, earliest);
+        Ok(())
     }
 }

@@ -42,13 +42,14 @@ pub struct Sideband {
     pub rows: SignalRows,
     pub(super) config: TrackConfig,
     pub(super) sample_rate_hz: f64,
-    prn: u16,
     replica: Arc<Replica>,
     pub(super) correlator: Correlator,
     pub(super) state: State,
     /// Known sign: pilot with its secondary code found.
     pub(super) signed: bool,
     overlay: Vec<i8>,
+    /// Code periods per symbol; none for a pilot.
+    symbol: Option<usize>,
     pub(super) sync: Sync,
     /// Slice counter, meaningful modulo what is synchronised.
     pub(super) position: usize,
@@ -98,13 +99,13 @@ impl Sideband {
             rows: SignalRows::default(),
             config: config.clone(),
             sample_rate_hz,
-            prn,
             correlator: Correlator::new(Arc::clone(&replica), &taps.offsets, 0, 0.0),
             taps,
             replica,
             state: State::PullIn,
             signed: false,
-            overlay: Vec::new(),
+            overlay: spec.secondary(prn)?,
+            symbol: spec.periods_per_symbol(prn)?,
             sync: Sync::Known,
             position: 0,
             chips: 0,
@@ -121,31 +122,24 @@ impl Sideband {
             in_state_s: 0.0,
             pull_in_s: 0.0,
         };
-        sideband.restart(seed, earliest)?;
+        sideband.restart(seed, earliest);
         Ok(sideband)
     }
 
-    /// Starts afresh from a new acquisition.
-    ///
-    /// # Errors
-    /// None for a sideband that could be built.
-    pub fn restart(&mut self, seed: Seed, earliest: u64) -> Result<()> {
+    /// Starts afresh from a new acquisition, at or after `earliest` samples.
+    pub fn restart(&mut self, seed: Seed, earliest: u64) {
         let earliest = earliest as f64 + self.taps.reach() as f64;
         let rate = self.spec.chip_rate_hz * (1.0 + seed.doppler_hz / self.spec.carrier_hz);
         let period = self.spec.code_length as f64 / rate * self.sample_rate_hz;
         let mut start = seed.sample as f64 + seed.code_delay_s * self.sample_rate_hz;
         start += ((earliest - start) / period).ceil().max(0.0) * period;
         self.correlator = Correlator::new(Arc::clone(&self.replica), &self.taps.offsets, 0, start);
-        let overlay = self.spec.secondary(self.prn)?;
-        let symbol = self.spec.periods_per_symbol(self.prn)?;
-        self.sync = match symbol {
-            None if overlay.is_empty() => Sync::Known,
-            None => Sync::Secondary(SecondarySync::new(overlay.clone())),
+        self.sync = match self.symbol {
+            None => Sync::Secondary(SecondarySync::new(self.overlay.clone())),
             Some(1) => Sync::Known,
-            Some(n) if overlay.is_empty() => Sync::Symbol(SymbolSync::new(vec![1; n])),
-            Some(_) => Sync::Symbol(SymbolSync::new(overlay.clone())),
+            Some(n) if self.overlay.is_empty() => Sync::Symbol(SymbolSync::new(vec![1; n])),
+            Some(_) => Sync::Symbol(SymbolSync::new(self.overlay.clone())),
         };
-        self.overlay = overlay;
         self.signed = false;
         self.position = 0;
         self.chips = 0;
@@ -157,7 +151,6 @@ impl Sideband {
         self.pull_in_s = 0.0;
         self.enter(State::PullIn);
         self.steer(seed.doppler_hz, 0.0);
-        Ok(())
     }
 
     /// Replica delay of each tap, seconds.
@@ -212,10 +205,7 @@ impl Sideband {
 
     /// Longest integration that stays within a symbol once all is known, slices.
     fn synced_length(&self) -> usize {
-        let symbol = match self.spec.periods_per_symbol(self.prn) {
-            Ok(Some(n)) => n * self.period(),
-            _ => self.overlay.len().max(1) * self.period(),
-        };
+        let symbol = self.symbol.unwrap_or(self.overlay.len()) * self.period();
         (1..=self.config.integration_ms)
             .rev()
             .find(|n| symbol % n == 0)
