@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, NullLocator
+from numpy.typing import NDArray
 
 from sdr_spoof.detectors import DetectionConfig, StatisticSeries
 from sdr_spoof.records import Alarm
@@ -74,17 +75,25 @@ def draw_difference(
     return style.render(draw, 10.0, 4.8)
 
 
-def _origin(series: StatisticSeries, alarm: Alarm | None) -> float:
-    quiet = series.trace_segment >= 0
+def _joined(series: StatisticSeries, alarm: Alarm | None) -> NDArray[np.float64]:
+    """Trace from its level before the onset; NaN where it is not used.
+
+    The phase after a loss of lock is arbitrary, so each piece goes on where the last one ended.
+    """
+    values = np.full(series.trace.shape, np.nan)
+    level = 0.0
+    for number in np.unique(series.trace_segment[series.trace_segment >= 0]):
+        rows = np.flatnonzero(series.trace_segment == number)
+        values[rows] = series.trace[rows] - np.median(series.trace[rows[:20]]) + level
+        level = float(np.median(values[rows[-20:]]))
+    quiet = np.isfinite(values)
     if alarm is not None:
         quiet &= series.trace_time_s < alarm.onset_s
-    return float(np.median(series.trace[quiet])) if quiet.any() else 0.0
+    return values - (np.median(values[quiet]) if quiet.any() else 0.0)
 
 
 def _trace(axes: Axes, series: StatisticSeries, alarm: Alarm | None) -> None:
-    used = series.trace_segment >= 0
-    values = np.where(used, series.trace - _origin(series, alarm), np.nan)
-    axes.plot(series.trace_time_s, values, color=style.INK, linewidth=0.9)
+    axes.plot(series.trace_time_s, _joined(series, alarm), color=style.INK, linewidth=0.9)
 
 
 def _rate(axes: Axes, series: StatisticSeries, config: DetectionConfig) -> None:
@@ -159,7 +168,7 @@ def _close_up(
     bottom.set_xlim(start, stop)
     near = (series.trace_time_s >= start) & (series.trace_time_s <= stop)
     near &= series.trace_segment >= 0
-    values = series.trace[near] - _origin(series, alarm)
+    values = _joined(series, alarm)[near]
     if values.size:
         margin = 0.1 * float(np.ptp(values)) + 1e-3
         top.set_ylim(float(values.min()) - margin, float(values.max()) + margin)
