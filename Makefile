@@ -43,6 +43,7 @@ check: setup
 	$(call step,stubtest)
 	$(BIN)/python -m mypy.stubtest sdr_spoof._core --allowlist rust/py/stubtest-allowlist.txt
 
+# The kernels by themselves, with criterion: cargo bench --package sdr_spoof_benches
 bench: setup
 	$(BIN)/sdr-spoof bench
 

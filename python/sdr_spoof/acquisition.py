@@ -26,7 +26,7 @@ from .errors import RecordingError, SignalError
 from .records import Acquisition
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable, Sequence
 
     from .sources.source import Source
 
@@ -102,7 +102,7 @@ def acquire(
     config: AcquisitionConfig,
     *,
     signals: Sequence[str] | None = None,
-    prns: Iterable[int] | None = None,
+    prns: Sequence[int] | None = None,
     start_sample: int = 0,
     threads: int | None = None,
     progress: Progress | None = None,
@@ -112,7 +112,8 @@ def acquire(
     Args:
         recording: where to read; only the samples searched are read.
         config: settings.
-        signals: registry names; default: all that fit, but not ``NOT_BY_DEFAULT``.
+        signals: registry names; default: all that fit and that one of ``prns`` sends, but not
+            ``NOT_BY_DEFAULT``.
         prns: satellites; default: all that transmit the signal.
         start_sample: where the search starts.
         threads: default: one per processor. The result does not depend on it.
@@ -128,7 +129,7 @@ def acquire(
     """
     plans = [
         _plan(recording, config, signal, prns, start_sample)
-        for signal in _ordered(recording, signals)
+        for signal in _ordered(recording, signals, prns)
     ]
     total = float(sum(len(p.prns) for p in plans))
     found: dict[str, list[Acquisition]] = {}
@@ -148,10 +149,15 @@ def _processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _ordered(recording: Source, signals: Sequence[str] | None) -> list[str]:
+def _ordered(
+    recording: Source, signals: Sequence[str] | None, prns: Sequence[int] | None
+) -> list[str]:
     """Signals to search, each after the one that hands over to it."""
     if signals is None:
         signals = [s for s in recording.signals() if s not in NOT_BY_DEFAULT]
+        # Of several signals, leave out those that none of the satellites asked for transmits.
+        sent = [s for s in signals if not prns or {*prns} & {*_core.signal_spec(s)["prns"]}]
+        signals = sent or signals
         if not signals:
             raise SignalError(
                 "the recording holds no known signal; check its lo_hz and sample_rate_hz"
@@ -168,14 +174,18 @@ def _plan(
     recording: Source,
     config: AcquisitionConfig,
     signal: str,
-    prns: Iterable[int] | None,
+    prns: Sequence[int] | None,
     start_sample: int,
 ) -> _Plan:
     spec = _core.signal_spec(signal)
     wanted = None if prns is None else set(prns)
     chosen = tuple(p for p in spec["prns"] if wanted is None or p in wanted)
     if not chosen:
-        raise SignalError(f"none of the PRNs {sorted(wanted or ())} transmits {signal}")
+        names = ", ".join(map(str, sorted(wanted or ())))
+        raise SignalError(
+            f"{signal}: none of the PRNs asked for ({names}) transmits it; it is sent by PRN "
+            f"{spec['prns'][0]} to {spec['prns'][-1]}"
+        )
     period_s = spec["code_length"] / spec["chip_rate_hz"]
     blocks = config.blocks_short if period_s < 5e-3 else config.blocks_long
     rate = recording.format.sample_rate_hz

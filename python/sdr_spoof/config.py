@@ -128,7 +128,8 @@ def _metavar(annotation: Any) -> str:
     if _is_sequence(annotation):
         return "A,B,..."
     if isinstance(annotation, type):
-        return {"bool": "true|false"}.get(annotation.__name__, annotation.__name__).upper()
+        names = {"bool": "true|false", "str": "NAME", "int": "N", "float": "X"}
+        return names.get(annotation.__name__, "VALUE")
     return "VALUE"
 
 
@@ -137,7 +138,9 @@ def _help(field: FieldInfo) -> str:
     default = field.get_default(call_default_factory=True, validated_data={})
     if isinstance(default, tuple | list):
         default = ",".join(map(str, default))
-    return f"{text} (default: {default})" if default is not None else text
+    elif isinstance(default, bool):
+        default = str(default).lower()
+    return f"{text.rstrip('.')} (default: {default})" if default is not None else text
 
 
 def _origin(path: Path | str | None, flags: dict[str, str]) -> Callable[[Location], str]:

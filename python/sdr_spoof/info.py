@@ -208,7 +208,7 @@ def _warnings(
         ),
         (levels.clipped_share > 0.01, f"{levels.clipped_share:.1%} of the values are clipped"),
         (levels.dc_share > 0.1, f"DC offset of {levels.dc_share:.2f} of the rms"),
-        (levels.rms < 0.5, "values are too small: sample_format or float_scale is wrong"),
+        (levels.rms < 0.5, "values are too small: sample_format is wrong"),
         (
             levels.iq_gain_db is not None and abs(levels.iq_gain_db) > 1,
             f"I/Q gain imbalance of {levels.iq_gain_db or 0:.1f} dB",

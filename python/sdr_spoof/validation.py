@@ -11,7 +11,7 @@ from pydantic import BaseModel, ValidationError
 from .errors import ConfigError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
     from pydantic_core import ErrorDetails
@@ -57,11 +57,22 @@ def in_file(path: Path | str, table: str | None = None) -> Callable[[Location], 
     """Origin of the values of one file, for :func:`validated`: ``file: [table] key``."""
 
     def where(location: Location) -> str:
-        *tables, key = location or ("",)
-        name = ".".join(str(t) for t in ([table] if table else []) + tables)
-        return f"{path}: [{name}] {key}".rstrip() if name else f"{path}: {key}".rstrip()
+        *tables, key = [*([table] if table else []), *location] or [""]
+        if isinstance(key, int):  # an element of a list, as in [[satellite]]: the table is wrong
+            return f"{path}: {_table_name([*tables, key])}"
+        return " ".join(filter(None, (f"{path}:", _table_name(tables), key))).removesuffix(":")
 
     return where
+
+
+def _table_name(steps: Sequence[str | int]) -> str:
+    """``[a.b]`` of nested tables; ``[[a]] (number 2)`` of the second element of a list."""
+    if not steps:
+        return ""
+    if isinstance(steps[-1], int):
+        names = ".".join(str(s) for s in steps[:-1])
+        return f"[[{names}]] (number {steps[-1] + 1})"
+    return f"[{'.'.join(str(s) for s in steps)}]"
 
 
 def _message(error: ErrorDetails, model: type[BaseModel]) -> str:

@@ -139,10 +139,14 @@ def test_wrong_configuration(
 
 
 def test_unknown_flag_and_command() -> None:
-    for arguments in (["acquire", "x", "--no-such-flag"], ["no-such-command"], []):
+    for arguments in (["acquire", "x", "--no-such-flag"], ["no-such-command"]):
         with pytest.raises(SystemExit) as stopped:
             main(arguments)
         assert stopped.value.code == 2
+
+
+def test_no_command_prints_the_help(capsys: pytest.CaptureFixture[str]) -> None:
+    assert "process " in failing(capsys)[1]
 
 
 @pytest.mark.parametrize("command", ["info", "acquire", "track"])

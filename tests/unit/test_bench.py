@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 from sdr_spoof import bench
+from sdr_spoof.errors import SdrSpoofError
 
 
 def test_every_stage_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(bench, "_DURATION_S", 0.1)
-    monkeypatch.setattr(bench, "_SYNTH_S", 0.01)
+    monkeypatch.setattr(bench, "_BLOCK_S", 0.02)
     monkeypatch.setattr(bench, "thread_counts", lambda: [1])
     calls: list[tuple[float, float]] = []
     results = bench.run(repeats=2, progress=lambda done, total: calls.append((done, total)))
@@ -20,3 +20,19 @@ def test_every_stage_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
     for m in results:
         assert 0 < m.lowest_msps <= m.median_msps <= m.highest_msps
         assert m.per_channel_core_msps == pytest.approx(m.median_msps * m.channels)
+        assert m.times_real_time == pytest.approx(m.median_msps / 120)
+
+
+def test_correlation_is_not_measured_on_silence(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Channels that never track end in an error, not in a rate."""
+    monkeypatch.setattr(bench, "_BLOCK_S", 0.02)
+    monkeypatch.setattr(bench, "_SETTLE_S", 0.06)
+    monkeypatch.setattr(bench, "thread_counts", lambda: [1])
+    with pytest.raises(SdrSpoofError, match="not tracked"):
+        bench.run(repeats=1)
+
+
+def test_the_machine_is_named() -> None:
+    here = bench.machine()
+    assert here.processor
+    assert here.cores >= 1

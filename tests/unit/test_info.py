@@ -89,9 +89,11 @@ def test_lost_samples(tmp_path: Path) -> None:
     assert any("constant stretch of 250.0 us" in w for w in info.warnings)
 
 
-def test_floats_that_round_to_nothing(tmp_path: Path) -> None:
+def test_small_floats_are_scaled(tmp_path: Path) -> None:
     info = inspected(tmp_path, noise(0.1).astype(np.float32), "cf32")
-    assert any("float_scale" in w for w in info.warnings)
+    assert info.warnings == ()
+    # rms of I and Q together, each scaled to 30 over the start of the file
+    assert info.levels.rms == pytest.approx(30 * 2**0.5, rel=0.01)
 
 
 def test_two_bits(tmp_path: Path) -> None:

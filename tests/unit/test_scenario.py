@@ -196,7 +196,10 @@ def test_power_below_the_authentic_captures_nothing() -> None:
         ("RECORDING\n[[satellite]]\nprn = 19\ncn0_dbhz = {B1I = 40}\n", "exactly the signals"),
         ("SLOW\n[[satellite]]\nprn = 19\nsignals = ['B1I']\n", "raise sample_rate_hz"),
         ("RECORDING\n[[attack]]\nprn=9\nsignals=['B1C']\nstart_s=1\n", r"no \[\[satellite\]\] C09"),
-        ("TARGET\nstart_s = -1\n", r"\[attack.0\] start_s: .*greater than or equal to 0"),
+        (
+            "TARGET\nstart_s = -1\n",
+            r"\[\[attack\]\] \(number 1\) start_s: .*greater than or equal to 0",
+        ),
         ("TARGET\nstart_s = 11\n", "after the end of the recording"),
         ("TARGET\nstart_s = 2\nend_s = 1\n", "must be after start_s"),
         ("TARGET\nstart_s = 2\ndrag_rate_m_s = 1\n", "needs drag_start_s"),

@@ -102,7 +102,7 @@ def test_given_values_win_over_the_sidecar(noise_file: Callable[..., Path]) -> N
 @pytest.mark.parametrize("name", ["ri8", "ci8", "ri16", "ci16", "rf32", "cf32"])
 def test_sigmf_round_trip(tmp_path: Path, name: str) -> None:
     fmt = with_format(name, conjugate=name[0] == "c", float_scale=30.0, bandwidth_hz=2.5e6)
-    (tmp_path / "a.sigmf-data").write_bytes(bytes(64))
+    np.ones(16, np.float32).tofile(tmp_path / "a.sigmf-data")
     extra = {"description": "nothing", "scenario": {"seed": 4}}
     meta = sigmf_file.write_meta(tmp_path / "a", fmt, extra)
     for path in (meta, tmp_path / "a.sigmf-data"):
@@ -111,6 +111,25 @@ def test_sigmf_round_trip(tmp_path: Path, name: str) -> None:
         assert recording.extra == {"scenario": {"seed": 4}}
     again = sigmf_file.write_meta(tmp_path / "a.sigmf-data", fmt, extra)
     assert again == meta
+
+
+@pytest.mark.parametrize("name", ["rf32", "cf32"])
+def test_float_scale_is_chosen_from_the_start_of_the_file(tmp_path: Path, name: str) -> None:
+    values = np.random.default_rng(3).normal(0, 0.004, 1 << 22).astype(np.float32)
+    values[:7] = [np.nan, np.inf, -np.inf, 0, 0, 0, 0]
+    values[1 << 21 :] = 100.0  # beyond the measured part: another antenna must change nothing
+    values.tofile(tmp_path / "a.bin")
+    fmt = with_format(name)
+    recording = open_recording(tmp_path / "a.bin", fmt)
+    assert recording.format.float_scale == pytest.approx(30 / 0.004, rel=0.01)
+    assert fmt.float_scale == 1.0
+    with pytest.raises(RecordingError, match=r"rms of 0\.004 and would be rounded away"):
+        open_recording(tmp_path / "a.bin", with_format(name, float_scale=1.0))
+    with pytest.raises(RecordingError, match="would be clipped"):
+        open_recording(tmp_path / "a.bin", with_format(name, float_scale=1e7))
+    np.zeros(100, np.float32).tofile(tmp_path / "b.bin")
+    with pytest.raises(RecordingError, match="are zero; check sample_format"):
+        open_recording(tmp_path / "b.bin", fmt)
 
 
 def test_sigmf_is_valid_for_the_sigmf_package(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ import argparse
 import json
 import os
 import sys
+from importlib.metadata import version
 from typing import TYPE_CHECKING
 
 from pydantic import ValidationError
@@ -40,7 +41,11 @@ COMMANDS: tuple[Command, ...] = (
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code and never raises for a user's mistake."""
-    arguments = _parser().parse_args(argv)
+    parser = _parser()
+    arguments = parser.parse_args(argv)
+    if arguments.command is None:
+        parser.print_help(sys.stderr)
+        return 2
     ui = Ui(json_mode=arguments.json, progress=arguments.progress)
     try:
         outcome: Outcome = arguments.command.run(arguments, ui)
@@ -61,18 +66,33 @@ def main(argv: Sequence[str] | None = None) -> int:
     return outcome.exit_code
 
 
+class _Help(argparse.HelpFormatter):
+    """Keeps the lines of the examples."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        if text.startswith("examples:"):
+            return text
+        return super()._fill_text(text, width, indent)
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="sdr-spoof",
         description="A software-defined GNSS receiver that can tell when it is being lied to.",
+        epilog="`sdr-spoof COMMAND --help` explains a command, with examples.",
         allow_abbrev=False,
     )
-    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    parser.add_argument("--version", action="version", version=f"sdr-spoof {version('sdr-spoof')}")
+    parser.set_defaults(command=None)
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     for command in COMMANDS:
         sub = commands.add_parser(
             command.name,
             help=command.summary,
-            description=command.details or command.summary,
+            usage=f"sdr-spoof {command.name} {command.usage}",
+            description=f"{command.summary[0].upper()}{command.summary[1:]}. {command.details}",
+            epilog="\n  ".join(["examples:", *command.examples]),
+            formatter_class=_Help,
             allow_abbrev=False,
         )
         command.configure(sub)

@@ -60,4 +60,17 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
     return Outcome(data, render)
 
 
-COMMAND = Command("acquire", "find the satellites in a recording", _configure, _run)
+COMMAND = Command(
+    "acquire",
+    "find the satellites in a recording",
+    _configure,
+    _run,
+    usage="REC [options]",
+    details="Searches the start of the recording and lists each signal found with its C/N0 "
+    "(dB-Hz), Doppler (Hz, positive = approaching) and code delay.",
+    examples=(
+        "sdr-spoof acquire recording.sigmf-meta",
+        "sdr-spoof acquire gps.bin --sample-format ci8 --sample-rate-hz 4e6 --lo-hz 1575.42e6",
+        "sdr-spoof acquire recording.sigmf-meta --signals B1I,B1C --prns 19-37 --json",
+    ),
+)

@@ -43,7 +43,11 @@ class Command:
     summary: str
     configure: Callable[[argparse.ArgumentParser], None]
     run: Callable[[argparse.Namespace, Ui], Outcome]
-    details: str = ""
+    usage: str
+    """Its arguments in one line; the help lists all of them."""
+    details: str
+    """A sentence or two on what it does and writes."""
+    examples: tuple[str, ...]
 
 
 def to_plain(value: Any) -> Any:

@@ -58,4 +58,14 @@ def _closing(demo: Demo) -> str:
     )
 
 
-COMMAND = Command("demo", "synthesise a spoofed recording and find the spoofer", _configure, _run)
+COMMAND = Command(
+    "demo",
+    "synthesise a spoofed recording and find the spoofer",
+    _configure,
+    _run,
+    usage="[-o FOLDER] [options]",
+    details="Writes 12 s of B1I and B1C at 120 Msamples/s (1.4 GB), in which the B1C of one "
+    "satellite is taken over, processes the file as if it were unknown, and compares the verdict "
+    "with the truth.",
+    examples=("sdr-spoof demo", "sdr-spoof demo -o /tmp/demo --force"),
+)

@@ -103,5 +103,15 @@ def _bars(heights: NDArray[np.float64]) -> list[str]:
 
 
 COMMAND = Command(
-    "info", "format, length, spectrum, levels and sanity of a recording", _configure, _run
+    "info",
+    "format, length, spectrum, levels and sanity of a recording",
+    _configure,
+    _run,
+    usage="REC [options]",
+    details="Reads a few sections of the file only, so that large files answer at once.",
+    examples=(
+        "sdr-spoof info recording.sigmf-meta",
+        "sdr-spoof info b1.bin --sample-format ri8 --sample-rate-hz 120e6 --lo-hz 1538.259e6",
+        "sdr-spoof info recording.sigmf-meta -o spectrum.png",
+    ),
 )

@@ -72,6 +72,8 @@ def signals_from(arguments: argparse.Namespace, recording: Recording) -> list[st
             recording.check_signal(signal_ids()[-1])  # raises, and says why
         return None
     names = [name.strip() for name in arguments.signals.split(",") if name.strip()]
+    if not names:
+        raise ConfigError("--signals: names no signal; leave it out to search all")
     chosen = list(dict.fromkeys(s for name in names for s in components(name)))
     for signal in chosen:
         recording.check_signal(signal)
@@ -90,9 +92,12 @@ def prns_from(arguments: argparse.Namespace) -> list[int] | None:
     for part in arguments.prns.split(","):
         first, _, last = part.partition("-")
         try:
-            prns |= set(range(int(first), int(last or first) + 1))
+            named = range(int(first), int(last or first) + 1)
         except ValueError as error:
             raise ConfigError(f"--prns: '{part}' is neither a number nor a range") from error
+        if not named:
+            raise ConfigError(f"--prns: '{part}' runs backwards; write {last}-{first}")
+        prns |= set(named)
     return sorted(prns)
 
 
@@ -128,7 +133,6 @@ def check_output(path: Path | None, *, force: bool) -> None:
 
 def positive(text: str) -> int:
     """Type of a flag that takes a number from 1 up."""
-    value = int(text)
-    if value < 1:
-        raise argparse.ArgumentTypeError("must be at least 1")
-    return value
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number from 1 up")
+    return int(text)

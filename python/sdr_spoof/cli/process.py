@@ -75,5 +75,17 @@ def outcome(processed: Processed, ui: Ui) -> Outcome:
 
 
 COMMAND = Command(
-    "process", "acquire, track, detect spoofing, and write a report", _configure, _run
+    "process",
+    "acquire, track, detect spoofing, and write a report",
+    _configure,
+    _run,
+    usage="REC [-o FOLDER] [options]",
+    details="Ends with a verdict for each satellite and writes FOLDER/report.html, for people, "
+    "and FOLDER/result.h5, with every number. Ctrl-C while it tracks keeps what was done so far, "
+    "marked partial.",
+    examples=(
+        "sdr-spoof process recording.sigmf-meta",
+        "sdr-spoof process b1.bin --sample-format ri8 --sample-rate-hz 120e6 --lo-hz 1538.259e6",
+        "sdr-spoof process recording.sigmf-meta -o out/today --force --json",
+    ),
 )

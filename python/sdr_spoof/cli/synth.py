@@ -51,4 +51,16 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
     return Outcome(data, render)
 
 
-COMMAND = Command("synth", "synthesise a recording from a scenario file", _configure, _run)
+COMMAND = Command(
+    "synth",
+    "synthesise a recording from a scenario file",
+    _configure,
+    _run,
+    usage="SCENARIO.toml -o REC [options]",
+    details="Writes samples, metadata and the truth. Ctrl-C keeps what was done so far, marked "
+    "partial. The scenarios that come with the package lie in sdr_spoof/scenario/data.",
+    examples=(
+        "sdr-spoof synth scenario.toml -o recording",
+        "sdr-spoof synth scenario.toml -o recording --force --json",
+    ),
+)

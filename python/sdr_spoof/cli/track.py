@@ -93,4 +93,16 @@ def _summary(track: SignalTrack) -> dict[str, Any]:
     return summary
 
 
-COMMAND = Command("track", "acquire, then track code and carrier", _configure, _run)
+COMMAND = Command(
+    "track",
+    "acquire, then track code and carrier",
+    _configure,
+    _run,
+    usage="REC [-o RESULT.h5] [options]",
+    details="Lists the state of each signal at the end; -o keeps every epoch. Ctrl-C while it "
+    "tracks keeps what was done so far, marked partial.",
+    examples=(
+        "sdr-spoof track recording.sigmf-meta -o tracks.h5",
+        "sdr-spoof track recording.sigmf-meta --prns 27 --tracking-dll-bandwidth-hz 0.5",
+    ),
+)

@@ -78,4 +78,12 @@ def _cell(value: Any) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
-COMMAND = Command("validate", "repeat a measurement of docs/validation.md", _configure, _run)
+COMMAND = Command(
+    "validate",
+    "repeat a measurement of docs/validation.md",
+    _configure,
+    _run,
+    usage="STUDY [-o FOLDER] [options]",
+    details="The full length of a study takes from minutes to hours.",
+    examples=("sdr-spoof validate tracking --scale 20", "sdr-spoof validate acquisition"),
+)

@@ -9,6 +9,7 @@ from sdr_spoof.errors import ConfigError
 from sdr_spoof.validation import Location, in_file, validated
 
 from . import raw, sigmf_file
+from .float_level import scaled
 from .model import RecordingFormat
 from .reader import Description, Reader
 from .recording import Recording, check_file
@@ -27,19 +28,23 @@ def open_recording(
 ) -> Recording:
     """Open a recording: ``.sigmf-meta``, ``.sigmf-data``, a TOML sidecar, or a raw file.
 
+    Float samples are rounded to 16 bits by the receiver; without ``float_scale`` it is chosen
+    from the level at the start of the file, and stands in the recording's ``format``.
+
     Args:
         path: the file.
         format: the whole format, or only the fields to use instead of what the file says.
 
     Raises:
-        RecordingError: missing, a directory, empty, cut off, or unreadable metadata.
+        RecordingError: missing, a directory, empty, cut off, or unreadable metadata; float
+            samples that are silent, or that ``float_scale`` makes too small or too large.
         ConfigError: the format is not known completely, or has a wrong value.
     """
     path = Path(path)
     check_file(path)
     description = next(r for r in READERS if r.matches(path)).describe(path)
     if isinstance(format, RecordingFormat):
-        format = format.model_dump()
+        format = format.model_dump(exclude_unset=True)
     given = dict(format or {})
     values = {**description.values, **given}
     missing = [n for n, f in RecordingFormat.model_fields.items() if f.is_required()]
@@ -49,7 +54,7 @@ def open_recording(
             f"{description.origin}: {', '.join(missing)} not known; {description.hint}"
         )
     model = validated(RecordingFormat, values, _origin(description, given))
-    return Recording(description.data, model, description.extra)
+    return scaled(Recording(description.data, model, description.extra))
 
 
 def _origin(description: Description, given: dict[str, Any]) -> Callable[[Location], str]:

@@ -31,7 +31,10 @@ class RecordingFormat(BaseModel):
         None, gt=0, description="two-sided bandwidth of the front end; for information"
     )
     float_scale: float = Field(
-        1.0, gt=0, description="rf32, cf32: factor before rounding to 16 bits; aim at an rms of 30"
+        1.0,
+        gt=0,
+        description="rf32, cf32: factor before rounding to 16 bits (if left out: such that the "
+        "rms over the start of the file becomes 30)",
     )
 
     @field_validator("sample_format")

@@ -111,7 +111,9 @@ def _global_fields(format: RecordingFormat, extra: dict[str, Any]) -> dict[str, 
     }
     if "description" in extra:
         fields["core:description"] = extra.pop("description")
-    own = {k: v for k, v in format.model_dump().items() if k in _OWN_FIELDS and v is not None}
+    own = format.model_dump(include=set(_OWN_FIELDS), exclude_none=True)
+    if "float_scale" not in format.model_fields_set:
+        del own["float_scale"]  # chosen on reading
     return fields | {_NAMESPACE + k: v for k, v in {**own, **extra}.items()}
 
 

@@ -85,7 +85,7 @@ def scenario(
                 "sample_rate_hz": sample_rate_hz,
                 "lo_hz": 1568.259e6,
                 "sample_format": "ci8",
-                "seed": 77,
+                "seed": 77 + round(10 * cn0_dbhz),
             },
             "satellite": [
                 {
