@@ -167,6 +167,20 @@ def test_b1i_epochs_keep_within_symbols():
     assert amplitude.min() > 0.6 * amplitude.mean()
 
 
+def test_a_third_signal_of_a_satellite_is_tracked_beside_the_combo():
+    emitters = {
+        signal: _core.Emitter(signal, 30, 45.0, delay_s=0.0712345, doppler_hz=800.0, data_seed=3)
+        for signal in ("B1CD", "B1CP", "B1I")
+    }
+    found = [seed_of(e, signal, 30) for signal, e in emitters.items()]
+    log = track(Synthetic(list(emitters.values()), 2.0), found, threads=2)
+    (combo,) = log.combos
+    assert (combo.lower, combo.upper) == ("B1I", "B1CP")
+    assert combo.state[-1] == State.COMBO
+    states = {t.signal: t.state[-1] for t in log.signals}
+    assert states == {"B1I": State.COMBO, "B1CP": State.COMBO, "B1CD": State.SYNCED}
+
+
 def test_a_lost_signal_is_found_again():
     silence = [(0.0, 0.0), (1.2, 0.0), (1.2001, -90.0), (1.9, -90.0), (1.9001, 0.0), (9.0, 0.0)]
     t, emitter = run_one("B1CP", 33, duration_s=3.4, power_db=silence)

@@ -18,7 +18,7 @@ const PARTED: f64 = 0.4;
 pub struct Channel {
     /// Its number.
     pub prn: u16,
-    /// Its signals, by carrier frequency.
+    /// One signal, or two to be coupled, the lower carrier first.
     pub sidebands: Vec<Sideband>,
     /// Rows of the pair; empty where there is one sideband.
     pub combo: ComboRows,
@@ -30,14 +30,13 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// A satellite with the given sidebands.
+    /// A satellite with one sideband, or two that may be coupled, the lower carrier first.
     pub fn new(
         prn: u16,
-        mut sidebands: Vec<Sideband>,
+        sidebands: Vec<Sideband>,
         config: &TrackConfig,
         sample_rate_hz: f64,
     ) -> Self {
-        sidebands.sort_by(|a, b| a.spec.carrier_hz.total_cmp(&b.spec.carrier_hz));
         Channel {
             prn,
             pending: sidebands.iter().map(|_| None).collect(),
