@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -14,10 +15,10 @@ from .scenario import builtin_scenario, synthesize, truth_path
 from .sinks.hdf5 import Result, write_result
 from .sources import open_recording
 from .tracking import track
-from .verdict import detect
+from .verdict import CLEAN, SPOOFED, detect
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
     from .config import Config
@@ -46,16 +47,29 @@ class TruthComparison:
     system: str
     prn: int
     attacked: tuple[str, ...]
-    """Signals that the scenario attacks; empty for an untouched satellite."""
+    """Components (registry signals) that the scenario attacks; none for an untouched satellite."""
+    start_s: float | None
+    """When the spoofer comes on the air."""
     capture_s: float | None
-    """When the attack first bends the measurements."""
+    """When it is as strong as the satellite."""
     drag_start_s: float | None
-    """When the attack begins to pull the code and carrier away."""
+    """When it begins to pull code and carrier away."""
     verdict: str
     band: str | None
     """Signal that the detectors point to."""
     onset_s: float | None
     """Onset that the detectors estimate."""
+    alarm_s: float | None
+    """When they raise the alarm."""
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the verdict is right: an attack is found, on its band, after it began."""
+        if not self.attacked:
+            return self.verdict == CLEAN
+        if self.verdict != SPOOFED or self.onset_s is None or self.start_s is None:
+            return False
+        return self.band in self.attacked and self.onset_s >= self.start_s
 
 
 @dataclass(frozen=True)
@@ -86,7 +100,39 @@ def process(
         OutputError: an output exists and ``force`` is not set, or it cannot be written.
         SignalError: the recording cannot hold a signal asked for.
     """
-    result_path, report_path = prepare(out, ("result.h5", "report.html"), force=force)
+    result_path, report_path = _outputs(out, ("result.h5", "report.html"), force=force)
+    with _folder(out):
+        found, log = _receive(recording, config, signals, prns, threads, stages)
+        with stages("Reporting") as progress:
+            verdict = detect(log, config.detection)
+            result = Result.of(recording, config, acquisitions=found, log=log, verdict=verdict)
+            write_result(result_path, result, force=force)
+            if progress:
+                progress(1, 4)
+            write_report(
+                report_path,
+                recording=recording,
+                acquisitions=found,
+                log=log,
+                verdict=verdict,
+                detection=config.detection,
+                effective_config=config.model_dump(mode="json"),
+                truth=truth,
+                force=force,
+            )
+            if progress:
+                progress(4, 4)
+    return Processed(recording, config, tuple(found), log, verdict, result_path, report_path)
+
+
+def _receive(
+    recording: Recording,
+    config: Config,
+    signals: Sequence[str] | None,
+    prns: Sequence[int] | None,
+    threads: int | None,
+    stages: Stages,
+) -> tuple[list[Acquisition], TrackLog]:
     with stages("Acquiring") as progress:
         found = acquire(
             recording,
@@ -99,38 +145,42 @@ def process(
     detected = [a for a in found if a.detected]
     with stages("Tracking") as progress:
         log = track(recording, detected, config.tracking, threads=threads, progress=progress)
-    verdict = detect(log, config.detection)
-    result = Result.of(recording, config, acquisitions=found, log=log, verdict=verdict)
-    write_result(result_path, result, force=force)
-    write_report(
-        report_path,
-        recording=recording,
-        acquisitions=found,
-        log=log,
-        verdict=verdict,
-        detection=config.detection,
-        effective_config=config.model_dump(mode="json"),
-        truth=truth,
-        force=force,
-    )
-    return Processed(recording, config, tuple(found), log, verdict, result_path, report_path)
+    return found, log
 
 
-def prepare(out: Path, names: Sequence[str], *, force: bool) -> list[Path]:
-    """Make the output folder and return the paths in it, none of which may exist.
+def _outputs(out: Path, names: Sequence[str], *, force: bool) -> list[Path]:
+    """Paths in the output folder, none of which may exist.
 
     Raises:
-        OutputError: a file exists and ``force`` is not set, or the folder cannot be made.
+        OutputError: a file exists and ``force`` is not set, or the folder is a file.
     """
+    if out.exists() and not out.is_dir():
+        raise OutputError(f"{out}: is a file; name a folder for the output")
     paths = [out / name for name in names]
     for path in paths:
         if path.exists() and not force:
             raise OutputError(f"{path}: exists already; add --force to replace it")
+    return paths
+
+
+@contextmanager
+def _folder(out: Path) -> Iterator[None]:
+    """Make the output folder; if nothing came to lie in it, take it away again.
+
+    Raises:
+        OutputError: it cannot be made.
+    """
+    missing = [p for p in (out, *out.parents) if not p.exists()]
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(f"{out}: the folder cannot be made: {error.strerror}") from error
-    return paths
+    try:
+        yield
+    finally:
+        with suppress(OSError):  # not empty: there is something to keep
+            for folder in missing:
+                folder.rmdir()
 
 
 def demo(
@@ -146,9 +196,10 @@ def demo(
     Raises:
         OutputError: an output exists and ``force`` is not set, or it cannot be written.
     """
-    prepare(out, ("demo.sigmf-data", "result.h5", "report.html"), force=force)
+    names = ("demo.sigmf-data", "demo.sigmf-meta", "demo.truth.json", "result.h5", "report.html")
+    _outputs(out, names, force=force)
     scenario = builtin_scenario("demo")
-    with stages("Synthesising") as progress:
+    with _folder(out), stages("Synthesising") as progress:
         meta = synthesize(scenario, out / "demo", threads=threads, force=force, progress=progress)
     truth = json.loads(truth_path(meta).read_text(encoding="utf-8"))
     processed = process(
@@ -168,8 +219,8 @@ def _truth_mark(attacks: list[dict[str, Any]]) -> TruthMark | None:
     """Mark of the first attack for the report."""
     if not attacks:
         return None
-    first = attacks[0]
-    return TruthMark(first["capture_s"], first["system"], first["prn"])
+    times = ("start_s", "capture_s", "drag_start_s", "system", "prn")
+    return TruthMark(**{name: attacks[0][name] for name in times})
 
 
 def _compare(found: SatelliteVerdict, attacks: list[dict[str, Any]]) -> TruthComparison:
@@ -179,10 +230,12 @@ def _compare(found: SatelliteVerdict, attacks: list[dict[str, Any]]) -> TruthCom
     return TruthComparison(
         system=found.system,
         prn=found.prn,
-        attacked=tuple(attack.get("signals", ())),
+        attacked=tuple(attack.get("components", ())),
+        start_s=attack.get("start_s"),
         capture_s=attack.get("capture_s"),
         drag_start_s=attack.get("drag_start_s"),
         verdict=found.verdict,
         band=alarm.band if alarm else None,
         onset_s=alarm.onset_s if alarm else None,
+        alarm_s=alarm.alarm_s if alarm else None,
     )

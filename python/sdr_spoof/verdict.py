@@ -51,8 +51,9 @@ def system_of(signal: str) -> str:
 
 def limits(config: DetectionConfig) -> str:
     """In words, what the configured detectors cannot see."""
-    parts = [f"{detectors.find(n).title}: {detectors.find(n).blind_to}." for n in config.detectors]
-    return " ".join(["'Clean' means that these tests found nothing. They cannot see:", *parts])
+    chosen = [detectors.find(name) for name in config.detectors]
+    parts = [f"{d.title} cannot see: {d.blind_to}." for d in chosen]
+    return " ".join(["'Clean' means that the tests found nothing.", *parts])
 
 
 def _judge(
@@ -99,7 +100,10 @@ def _combo(log: TrackLog, prn: int) -> ComboTrack | None:
 
 
 def _spoofed_reason(alarm: Alarm) -> str:
-    band = f"the carrier of {alarm.band} left" if alarm.band else "one carrier left the other;"
+    if alarm.band:
+        band = f"the carrier of {_composite(alarm.band)} left"
+    else:
+        band = "one carrier left the other;"
     which = "its course" if alarm.band else "which band moved cannot be told"
     return (
         f"{band} {which} at {alarm.onset_s:.2f} s; "
@@ -125,4 +129,10 @@ def _no_support_reason(
     ]
     if not held:
         return "no signal of this satellite was held long enough to test"
-    return f"received on {' and '.join(sorted(held))} only; the test compares two bands"
+    names = " and ".join(sorted({_composite(signal) for signal in held}))
+    return f"received on {names} only; the test compares two bands"
+
+
+def _composite(signal: str) -> str:
+    """Name of a signal as users know it: B1C, not its pilot."""
+    return str(_core.signal_spec(signal)["composite"])

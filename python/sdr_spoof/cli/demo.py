@@ -9,6 +9,7 @@ from sdr_spoof import config
 
 from . import options, process, tables
 from .command import Command, Outcome
+from .ui import program
 
 if TYPE_CHECKING:
     import argparse
@@ -36,25 +37,33 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
         force=arguments.force,
         stages=ui.stages,
     )
-    inner = process.outcome(demo.processed, ui)
+    inner = process.outcome(demo.processed, ui, files=False)
+    agrees = all(c.agrees for c in demo.comparison)
 
     def render(console: Console) -> None:
         inner.render(console)
+        console.print()
         console.print(tables.truth(demo.comparison))
-        console.print(_closing(demo), highlight=False, soft_wrap=True)
+        for line in filter(None, map(tables.timeline, demo.comparison)):
+            console.print(line, highlight=False)
+        if not agrees:
+            console.print("The verdict is NOT what was synthesised.", style="bold red")
+        console.print(f"\n{_closing(demo)}", highlight=False, soft_wrap=True)
 
-    data = {**inner.data, "comparison": demo.comparison}
-    return Outcome(data, render, inner.exit_code)
+    data = {**inner.data, "comparison": demo.comparison, "agrees": agrees}
+    return Outcome(data, render, inner.exit_code or int(not agrees))
 
 
 def _closing(demo: Demo) -> str:
-    meta = demo.processed.recording.path.with_suffix(".sigmf-meta")
-    size_gb = demo.processed.recording.path.stat().st_size / 1e9
+    data = demo.processed.recording.path
+    meta, name = data.with_suffix(".sigmf-meta"), program()
     return (
-        f"The recording ({size_gb:.1f} GB) is kept in {meta.parent}\n"
-        f"  inspect: sdr-spoof info {meta}\n"
-        f"  again:   sdr-spoof process {meta}\n"
-        f"  delete:  rm {meta.with_suffix('')}.*"
+        f"{process.outputs(demo.processed)}\n"
+        f"Recording: {data}  ({data.stat().st_size / 1e9:.1f} GB)\n"
+        f"  inspect it: {name} info {meta}\n"
+        f"  process it: {name} process {meta} -o {meta.parent / 'again'}\n"
+        f"  keep it:    it stays until the demo is run again; move it elsewhere to keep it\n"
+        f"  delete it:  rm {data.with_suffix('')}.*"
     )
 
 

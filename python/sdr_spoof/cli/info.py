@@ -45,7 +45,8 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
 
 
 def _render(info: RecordingInfo, console: Console) -> None:
-    made = tables.table(info.path, "what", "value", left=["what", "value"])
+    console.print(info.path, style="bold", highlight=False, markup=False, soft_wrap=True)
+    made = tables.table("", "what", "value", left=["what", "value"])
     for name, value in _rows(info):
         made.add_row(name, value)
     console.print(made)

@@ -46,7 +46,15 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
     return outcome(processed, ui)
 
 
-def outcome(processed: Processed, ui: Ui) -> Outcome:
+def outputs(processed: Processed) -> str:
+    """Where the results are."""
+    return (
+        f"Report: {processed.report_path}  (open it in a browser)\n"
+        f"Result: {processed.result_path}  (every number, HDF5)"
+    )
+
+
+def outcome(processed: Processed, ui: Ui, *, files: bool = True) -> Outcome:
     """Outcome of a processed recording, shared by ``process`` and ``demo``."""
     from sdr_spoof.report import print_verdict  # noqa: PLC0415
 
@@ -68,8 +76,8 @@ def outcome(processed: Processed, ui: Ui) -> Outcome:
         console.print(tables.acquisitions(processed.acquisitions))
         console.print(tables.tracks(processed.log.signals))
         print_verdict(processed.verdict, console, processed.config.detection)
-        console.print(f"Report: {processed.report_path}", highlight=False, soft_wrap=True)
-        console.print(f"Result: {processed.result_path}", highlight=False, soft_wrap=True)
+        if files:
+            console.print(f"\n{outputs(processed)}", highlight=False, soft_wrap=True)
 
     return Outcome(data, render, INTERRUPTED if processed.log.partial else 0)
 

@@ -72,17 +72,38 @@ def truth(comparison: Sequence[TruthComparison]) -> Table:
     """What was synthesised against what was found, one row per satellite."""
     made = table(
         "Against the truth",
-        *("PRN", "attacked", "captured s", "dragged from s", "verdict", "band", "onset s"),
-        left=["attacked", "verdict", "band"],
+        *("satellite", "truth", "verdict", "right"),
+        left=["satellite", "truth", "verdict", "right"],
     )
     for c in comparison:
-        made.add_row(
-            *(f"{c.system}{c.prn:02d}", ", ".join(c.attacked) or "no"),
-            *(_seconds(c.capture_s), _seconds(c.drag_start_s)),
-            *(c.verdict, c.band or "-", _seconds(c.onset_s)),
-        )
+        name, bands = f"{c.system}{c.prn:02d}", _bands(c.attacked)
+        true = f"{bands} spoofed from {c.start_s:.2f} s" if c.attacked else "untouched"
+        found = c.verdict
+        if c.onset_s is not None:
+            found = f"{_bands([c.band] if c.band else [])} spoofed, onset {c.onset_s:.2f} s"
+        made.add_row(name, true, found, "yes" if c.agrees else "NO")
     return made
 
 
-def _seconds(value: float | None) -> str:
-    return "-" if value is None else f"{value:.2f}"
+def timeline(c: TruthComparison) -> str:
+    """The course of an attack against what was found, in words; empty where there is none."""
+    if c.start_s is None:
+        return ""
+    steps = [f"came on the air at {c.start_s:.2f} s"]
+    if c.capture_s is not None:
+        steps.append(f"was as strong as the satellite at {c.capture_s:.2f} s")
+    if c.drag_start_s is not None:
+        steps.append(f"began to drag at {c.drag_start_s:.2f} s")
+    course = f"{', '.join(steps[:-1])} and {steps[-1]}" if len(steps) > 1 else steps[0]
+    if c.onset_s is None or c.alarm_s is None:
+        return f"The spoofer {course}. It was not found."
+    late, alarm = c.onset_s - c.start_s, c.alarm_s - c.start_s
+    return (
+        f"The spoofer {course}. Found: onset {c.onset_s:.2f} s, {late:.2f} s after it came on the "
+        f"air; alarm at {c.alarm_s:.2f} s, {alarm:.2f} s after."
+    )
+
+
+def _bands(signals: Sequence[str]) -> str:
+    names = dict.fromkeys(signal_spec(s).composite for s in signals)
+    return ", ".join(names) or "one band"

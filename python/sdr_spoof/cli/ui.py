@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
+import time
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich.console import Console
@@ -17,8 +20,19 @@ if TYPE_CHECKING:
 
     from sdr_spoof.progress import Progress as ProgressCallback
 
+NAME = "sdr-spoof"
 _WIDTH = 100
 """Columns where the output is no terminal, so that tables are not cut."""
+
+
+def program() -> str:
+    """How the user can call this program from here."""
+    called = Path(sys.argv[0])
+    found = shutil.which(NAME)
+    if called.name != NAME or (found and Path(found).resolve() == called.resolve()):
+        return NAME
+    inside = called.absolute().is_relative_to(Path.cwd())
+    return str(called.absolute().relative_to(Path.cwd()) if inside else called)
 
 
 class Ui:
@@ -38,7 +52,16 @@ class Ui:
 
     def stages(self, label: str) -> AbstractContextManager[ProgressCallback | None]:
         """Show a bar for one stage; a :data:`sdr_spoof.progress.Stages`."""
-        return self._bar(label) if self._show else silent(label)
+        if self._show:
+            return self._bar(label)
+        return silent(label) if self.json_mode else self._line(label)
+
+    @contextmanager
+    def _line(self, label: str) -> Iterator[None]:
+        """One line per stage, for logs."""
+        start = time.monotonic()
+        yield
+        self.note(f"{label}: {time.monotonic() - start:.1f} s")
 
     @contextmanager
     def _bar(self, label: str) -> Iterator[ProgressCallback]:

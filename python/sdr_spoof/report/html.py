@@ -18,9 +18,12 @@ from sdr_spoof.report.figures.satellite import draw_satellite
 from sdr_spoof.report.figures.signals import draw_acquisition, draw_cn0
 from sdr_spoof.report.figures.spectrum import draw_spectrum
 from sdr_spoof.report.spectrum import RecordingLike, estimate_spectrum
+from sdr_spoof.sinks.atomic import write_bytes
 from sdr_spoof.verdict import NO_SUPPORT, SPOOFED, statistics, system_of
 
 MARKS = {SPOOFED: "✖", "clean": "✔", NO_SUPPORT: "–"}
+MOST_DETAILS = 16
+"""Satellites drawn in detail, worst news first; more would make the report slow and large."""
 LIBRARIES = ("sdr-spoof", "numpy", "scipy", "matplotlib")
 
 
@@ -44,7 +47,7 @@ def write_report(
     """
     path = Path(path)
     if path.exists() and not force:
-        raise OutputError(f"{path} exists already; choose another name or pass --force")
+        raise OutputError(f"{path}: exists already; add --force to replace it")
     html = render_report(
         recording=recording,
         acquisitions=acquisitions,
@@ -54,10 +57,7 @@ def write_report(
         effective_config=effective_config,
         truth=truth,
     )
-    try:
-        path.write_text(html, encoding="utf-8")
-    except OSError as error:
-        raise OutputError(f"cannot write {path}: {error.strerror}") from error
+    write_bytes(path, html.encode("utf-8"), force=force)
     return path
 
 
@@ -85,6 +85,7 @@ def render_report(
     signals = list(
         dict.fromkeys([t.signal for t in log.signals] or [a.signal for a in acquisitions])
     )
+    tested = [s for s in series.values() if s.time_s.size]
     spectrum = estimate_spectrum(recording) if recording is not None else None
     return environment.get_template("report.html.j2").render(
         words=words,
@@ -96,14 +97,15 @@ def render_report(
         marks=MARKS,
         log=log,
         recording=recording,
-        acquisitions=sorted(acquisitions, key=lambda a: (a.prn, a.signal)),
+        acquisitions=sorted(acquisitions, key=lambda a: (words.name_of(a.signal, a.prn), a.signal)),
         acquisition_figure=draw_acquisition(acquisitions) if acquisitions else None,
         spectrum=spectrum,
         spectrum_figure=draw_spectrum(spectrum, signals) if spectrum is not None else None,
         cn0_figure=draw_cn0(log, hit) if log.signals else None,
-        margins_figure=draw_margins([(s, detection) for s in series.values()], hit),
+        margins_figure=draw_margins([(s, detection) for s in tested], hit) if tested else None,
         key_figures=list(_key_figures(ordered, series, detection, truth)),
-        details=list(_details(ordered, log, series, detection, truth)),
+        details=list(_details(ordered[:MOST_DETAILS], log, series, detection, truth)),
+        left_out=[words.satellite_name(s.system, s.prn) for s in ordered[MOST_DETAILS:]],
         config=list(flatten(effective_config or {"detection": detection.model_dump()})),
         versions=[(name, version(name)) for name in LIBRARIES]
         + [("Python", platform.python_version())],

@@ -40,7 +40,7 @@ class Spectrum:
     density_db: NDArray[np.float64]
     """dB relative to 1 (sample value)^2 per Hz."""
     averaged_s: float
-    """Signal that went into it, in s."""
+    """Signal that went into it, in s; at most the length of the recording."""
 
 
 def estimate_spectrum(
@@ -59,7 +59,8 @@ def estimate_spectrum(
     return Spectrum(
         rf_hz=frequency[order] + recording.format.lo_hz,
         density_db=10.0 * np.log10(np.maximum(density[order], tiny)),
-        averaged_s=count * len(starts) / recording.format.sample_rate_hz,
+        averaged_s=min(count * len(starts), recording.sample_count)
+        / recording.format.sample_rate_hz,
     )
 
 

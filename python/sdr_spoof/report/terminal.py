@@ -8,7 +8,7 @@ from rich.table import Table
 from rich.text import Text
 
 from sdr_spoof.detectors import DetectionConfig
-from sdr_spoof.records import SatelliteVerdict, Verdict
+from sdr_spoof.records import Verdict
 from sdr_spoof.report import words
 from sdr_spoof.verdict import CLEAN, SPOOFED
 
@@ -31,17 +31,18 @@ def print_verdict(
             lines.append(Text(f"  How sure: {words.sureness(alarm)}."))
     lines.append(Text(words.tested_sentence(verdict, config.detectors)))
     console.print(Panel(Group(*lines), title="Verdict", border_style=colour, padding=(1, 2)))
-    console.print(_table(words.ordered(verdict)))
+    if verdict.satellites:
+        console.print(_table(verdict))
     console.print(Text(verdict.limits, style="dim"))
 
 
-def _table(satellites: list[SatelliteVerdict]) -> Table:
+def _table(verdict: Verdict) -> Table:
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for title in ("Satellite", "Verdict", "Onset", "Why"):
+    table.add_column("Satellite", max_width=28)
+    for title in ("Verdict", "Onset", "Why"):
         table.add_column(title, no_wrap=title != "Why")
-    for s in satellites:
+    for names, s in words.rows(verdict):
         mark, colour = MARKS.get(s.verdict, ("–", "yellow"))
         onset = f"{min(a.onset_s for a in s.alarms):.2f} s" if s.alarms else ""
-        name = words.satellite_name(s.system, s.prn)
-        table.add_row(name, Text(f"{mark} {s.verdict}", style=colour), onset, s.reason)
+        table.add_row(names, Text(f"{mark} {s.verdict}", style=colour), onset, s.reason)
     return table

@@ -9,7 +9,11 @@ from sdr_spoof.verdict import NO_SUPPORT, SPOOFED
 
 
 def satellite_name(system: str, prn: int) -> str:
-    """RINEX satellite name, e.g. C23."""
+    """RINEX satellite name, e.g. C23; L1 C/A of SBAS and QZSS: S28 is PRN 128, J01 PRN 193."""
+    if system == "G" and prn >= 193:
+        return f"J{prn - 192:02d}"
+    if system == "G" and prn >= 120:
+        return f"S{prn - 100:02d}"
     return f"{system}{prn:02d}"
 
 
@@ -76,6 +80,10 @@ def tested_sentence(verdict: Verdict, names: tuple[str, ...]) -> str:
     """What was tested, on how many satellites."""
     done = sum(s.verdict != NO_SUPPORT for s in verdict.satellites)
     what = "; ".join(detectors.find(name).tests for name in names)
+    if not verdict.satellites:
+        return "Nothing: no satellite was received."
+    if not done:
+        return f"None of the {len(verdict.satellites)} satellites could be tested for {what}."
     return f"On {done} of {len(verdict.satellites)} satellites: {what}."
 
 
@@ -83,6 +91,15 @@ def ordered(verdict: Verdict) -> list[SatelliteVerdict]:
     """Satellites with the worst news first, then by name."""
     rank = {SPOOFED: 0, NO_SUPPORT: 2}
     return sorted(verdict.satellites, key=lambda s: (rank.get(s.verdict, 1), s.system, s.prn))
+
+
+def rows(verdict: Verdict) -> list[tuple[str, SatelliteVerdict]]:
+    """(names, verdict) for tables: satellites that cannot be tested for one reason share a row."""
+    groups: dict[object, list[SatelliteVerdict]] = {}
+    for s in ordered(verdict):
+        key = s.reason if s.verdict == NO_SUPPORT else (s.system, s.prn)
+        groups.setdefault(key, []).append(s)
+    return [(" ".join(satellite_name(s.system, s.prn) for s in g), g[0]) for g in groups.values()]
 
 
 def name_of(signal: str, prn: int) -> str:

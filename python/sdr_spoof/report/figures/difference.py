@@ -9,7 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, NullLocator
+from numpy.typing import NDArray
 
 from sdr_spoof.detectors import DetectionConfig, StatisticSeries
 from sdr_spoof.records import Alarm
@@ -19,12 +20,27 @@ from sdr_spoof.report.words import satellite_name
 
 @dataclass(frozen=True)
 class TruthMark:
-    """Known start of an attack, drawn where a truth sidecar is given."""
+    """What is known of an attack, drawn where a truth sidecar is given."""
 
-    onset_s: float
+    start_s: float
+    """The spoofer comes on the air."""
+    capture_s: float | None = None
+    """It is as strong as the satellite."""
+    drag_start_s: float | None = None
+    """It begins to pull code and carrier away."""
     system: str = "C"
     prn: int | None = None
-    label: str = "true onset"
+
+    def lines(self) -> list[tuple[float, str, tuple[int, tuple[int, ...]]]]:
+        """(time, what happens, line style)."""
+        steps = (
+            (self.start_s, "spoofer on the air", (0, (1, 2))),
+            (self.capture_s, "as strong as the satellite", (0, (5, 3))),
+            (self.drag_start_s, "drags", (0, (9, 2, 2, 2))),
+        )
+        return [
+            (s, f"truth: {what} from {s:.2f} s", dash) for s, what, dash in steps if s is not None
+        ]
 
 
 def draw_difference(
@@ -50,25 +66,34 @@ def draw_difference(
         panels[0, 0].set_ylabel("Phase difference\n(cycles)")
         panels[1, 0].set_ylabel("Rate of the difference\n(Hz)")
         panels[0, 0].set_title("Scaled carrier-phase difference, upper minus lower band")
-        panels[1, 0].set_title(f"Its rate over {series.window_s:g} s, with the alarm threshold")
+        scale = ", outer part of the axis logarithmic" * (panels[1, 0].get_yscale() == "symlog")
+        panels[1, 0].set_title(f"Its rate over {series.window_s:g} s{scale}")
         if alarm is not None:
-            _close_up(panels[0, 1], panels[1, 1], series, alarm)
+            _close_up(panels[0, 1], panels[1, 1], series, alarm, truth)
         _legend(figure, panels[1, 0], alarm, truth)
 
     return style.render(draw, 10.0, 4.8)
 
 
-def _origin(series: StatisticSeries, alarm: Alarm | None) -> float:
-    quiet = series.trace_segment >= 0
+def _joined(series: StatisticSeries, alarm: Alarm | None) -> NDArray[np.float64]:
+    """Trace from its level before the onset; NaN where it is not used.
+
+    The phase after a loss of lock is arbitrary, so each piece goes on where the last one ended.
+    """
+    values = np.full(series.trace.shape, np.nan)
+    level = 0.0
+    for number in np.unique(series.trace_segment[series.trace_segment >= 0]):
+        rows = np.flatnonzero(series.trace_segment == number)
+        values[rows] = series.trace[rows] - np.median(series.trace[rows[:20]]) + level
+        level = float(np.median(values[rows[-20:]]))
+    quiet = np.isfinite(values)
     if alarm is not None:
         quiet &= series.trace_time_s < alarm.onset_s
-    return float(np.median(series.trace[quiet])) if quiet.any() else 0.0
+    return values - (np.median(values[quiet]) if quiet.any() else 0.0)
 
 
 def _trace(axes: Axes, series: StatisticSeries, alarm: Alarm | None) -> None:
-    used = series.trace_segment >= 0
-    values = np.where(used, series.trace - _origin(series, alarm), np.nan)
-    axes.plot(series.trace_time_s, values, color=style.INK, linewidth=0.9)
+    axes.plot(series.trace_time_s, _joined(series, alarm), color=style.INK, linewidth=0.9)
 
 
 def _rate(axes: Axes, series: StatisticSeries, config: DetectionConfig) -> None:
@@ -81,7 +106,13 @@ def _rate(axes: Axes, series: StatisticSeries, config: DetectionConfig) -> None:
     axes.plot(time, value, color=style.INK, linewidth=1.2)
     typical = float(np.median(threshold)) if threshold.size else 0.1
     if peak > 8 * typical:
+        # Both the threshold and a drag far beyond it must be seen.
         axes.set_yscale("symlog", linthresh=2 * typical, linscale=0.9)
+        decades = 10.0 ** np.arange(np.ceil(np.log10(2 * typical)), np.ceil(np.log10(peak)) + 1)
+        outer = [d for d in decades if d <= 1.5 * peak] or [peak]
+        inner = float(f"{typical:.1g}")
+        axes.set_yticks([*(-d for d in reversed(outer)), -inner, 0, inner, *outer])
+        axes.yaxis.set_minor_locator(NullLocator())
         axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
     axes.set_xlabel("Time (s)")
 
@@ -102,32 +133,42 @@ def _marks(axes: Axes, alarm: Alarm | None, truth: TruthMark | None) -> None:
     if alarm is not None:
         axes.axvline(alarm.onset_s, color=style.ALARM, linewidth=1.6)
         axes.axvline(alarm.alarm_s, color=style.ALARM, linewidth=1.3, linestyle=(0, (2, 2)))
-    if truth is not None:
-        axes.axvline(truth.onset_s, color=style.TRUTH, linewidth=1.3, linestyle=(0, (5, 3)))
+    for time_s, _, dash in truth.lines() if truth is not None else ():
+        axes.axvline(time_s, color=style.TRUTH, linewidth=1.3, linestyle=dash)
 
 
 def _legend(figure: Figure, axes: Axes, alarm: Alarm | None, truth: TruthMark | None) -> None:
-    handles = list(axes.get_lines()[1:2])
-    names = ["threshold"]
+    found = [(axes.get_lines()[0], "alarm threshold")]
     if alarm is not None:
-        handles += [
-            Line2D([], [], color=style.ALARM, linewidth=1.6),
-            Line2D([], [], color=style.ALARM, linewidth=1.3, linestyle=(0, (2, 2))),
+        found += [
+            (_sample(style.ALARM, (0, ())), f"found: onset {alarm.onset_s:.2f} s"),
+            (_sample(style.ALARM, (0, (2, 2))), f"found: alarm {alarm.alarm_s:.2f} s"),
         ]
-        names += [f"estimated onset {alarm.onset_s:.2f} s", f"alarm {alarm.alarm_s:.2f} s"]
-    if truth is not None:
-        handles.append(Line2D([], [], color=style.TRUTH, linewidth=1.3, linestyle=(0, (5, 3))))
-        names.append(f"{truth.label} {truth.onset_s:.2f} s")
-    figure.legend(handles, names, loc="outside lower center", ncols=4)
+    lines = truth.lines() if truth is not None else []
+    true = [(_sample(style.TRUTH, dash), text) for _, text, dash in lines]
+    if len(found) == len(true):  # columns are filled first: what was found above the truth
+        found = [entry for pair in zip(found, true, strict=True) for entry in pair]
+    else:
+        found += true
+    figure.legend(*zip(*found, strict=True), loc="outside lower center", ncols=3)
 
 
-def _close_up(top: Axes, bottom: Axes, series: StatisticSeries, alarm: Alarm) -> None:
+def _sample(colour: str, dash: tuple[int, tuple[int, ...]]) -> Line2D:
+    """Line for the legend."""
+    return Line2D([], [], color=colour, linewidth=1.5, linestyle=dash)
+
+
+def _close_up(
+    top: Axes, bottom: Axes, series: StatisticSeries, alarm: Alarm, truth: TruthMark | None
+) -> None:
     start = alarm.onset_s - max(1.0, series.window_s)
+    if truth is not None and truth.start_s > start - 2.0:
+        start = min(start, truth.start_s - 0.2)
     stop = alarm.alarm_s + max(0.5, 0.5 * series.window_s)
     bottom.set_xlim(start, stop)
     near = (series.trace_time_s >= start) & (series.trace_time_s <= stop)
     near &= series.trace_segment >= 0
-    values = series.trace[near] - _origin(series, alarm)
+    values = _joined(series, alarm)[near]
     if values.size:
         margin = 0.1 * float(np.ptp(values)) + 1e-3
         top.set_ylim(float(values.min()) - margin, float(values.max()) + margin)
@@ -137,8 +178,8 @@ def _close_up(top: Axes, bottom: Axes, series: StatisticSeries, alarm: Alarm) ->
 def draw_margins(
     pairs: Sequence[tuple[StatisticSeries, DetectionConfig]], spoofed: Sequence[tuple[str, int]]
 ) -> str:
-    """How close each tested satellite came to its threshold, as a dot plot."""
-    tested = [(s, c) for s, c in pairs if s.time_s.size]
+    """How close each tested satellite came to its threshold, as a dot plot; no empty series."""
+    tested = list(pairs)
 
     def draw(figure: Figure) -> None:
         axes = figure.subplots()

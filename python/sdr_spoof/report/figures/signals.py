@@ -94,8 +94,15 @@ def _cn0_line(axes: Axes, track: SignalTrack, colour: str, emphasised: bool) -> 
 def _name_lines(axes: Axes, ends: list[tuple[float, str, str]], time_s: float) -> None:
     """Writes names at the right end of the lines, moved apart so that none overlap."""
     low, high = axes.get_ylim()
-    spacing = 0.055 * (high - low)
-    at = -np.inf
-    for cn0, name, colour in sorted(ends):
-        at = max(cn0, at + spacing)
-        axes.text(time_s, at, f" {name}", va="center", fontsize=8, color=colour)
+    ends = sorted(ends)
+    spacing = min(0.055, 1.0 / max(len(ends), 1)) * (high - low)
+    places = [cn0 for cn0, _, _ in ends]
+    for i in range(1, len(places)):
+        places[i] = max(places[i], places[i - 1] + spacing)
+    room = high
+    for i in reversed(range(len(places))):  # push back down what stands out at the top
+        places[i] = min(places[i], room)
+        room = places[i] - spacing
+    size = 8 if len(ends) <= 18 else 6.5
+    for at, (_, name, colour) in zip(places, ends, strict=True):
+        axes.text(time_s, at, f" {name}", va="center", fontsize=size, color=colour)
