@@ -7,7 +7,7 @@ use super::log::{ComboRows, State};
 use super::sideband::Sideband;
 use crate::dsp::prefix::PrefixBand;
 
-/// Two integrations belong together if they end within this, s.
+/// Two integrations belong together if they begin within this, s.
 const PAIRED_S: f64 = 0.4e-3;
 /// Both sidebands must have run by themselves this long before they are joined, s.
 const SETTLED_S: f64 = 0.5;
@@ -67,16 +67,16 @@ impl Channel {
     fn close(&mut self) -> bool {
         if self.pairs() {
             match &self.pending[..] {
-                [Some(lower), Some(upper)] if self.belong(lower, upper.end() as f64) => {
+                [Some(lower), Some(upper)] if self.belong(lower, upper.first) => {
                     let (lower, upper) = (lower.clone(), upper.clone());
                     self.pending = vec![None, None];
                     self.close_pair(&lower, &upper);
                     return true;
                 }
-                [Some(epoch), None] if self.belong(epoch, self.sidebands[1].expected_end()) => {
+                [Some(epoch), None] if self.belong(epoch, self.sidebands[1].begins()) => {
                     return false;
                 }
-                [None, Some(epoch)] if self.belong(epoch, self.sidebands[0].expected_end()) => {
+                [None, Some(epoch)] if self.belong(epoch, self.sidebands[0].begins()) => {
                     return false;
                 }
                 _ => {}
@@ -95,8 +95,9 @@ impl Channel {
         true
     }
 
-    fn belong(&self, epoch: &Epoch, other_end: f64) -> bool {
-        (epoch.end() as f64 - other_end).abs() < PAIRED_S * self.sample_rate_hz
+    /// Whether an integration and one of the other sideband are of the same transmit time.
+    fn belong(&self, epoch: &Epoch, other_first: u64) -> bool {
+        (epoch.first.abs_diff(other_first) as f64) < PAIRED_S * self.sample_rate_hz
     }
 
     /// Two sidebands, both synchronised.
@@ -124,7 +125,7 @@ impl Channel {
         if let Some(joint) = &mut self.joint {
             let prompts = [0, 1].map(|i| {
                 let s = &self.sidebands[i];
-                epochs[i].taps[s.taps.prompt] / s.amplitude(interval)
+                s.wiped(epochs[i].taps[s.taps.prompt]) / s.amplitude(interval)
             });
             let steering = joint.update(prompts[0], prompts[1], interval);
             for (i, sideband) in self.sidebands.iter_mut().enumerate() {

@@ -43,6 +43,23 @@ pub struct Target {
     pub seed: Seed,
 }
 
+impl Target {
+    fn check(&self, sample_rate_hz: f64) -> Result<()> {
+        let Seed {
+            doppler_hz,
+            code_delay_s,
+            ..
+        } = self.seed;
+        if doppler_hz.abs() < 0.5 * sample_rate_hz && (0.0..1e3).contains(&code_delay_s) {
+            return Ok(());
+        }
+        Err(Error::Invalid(format!(
+            "{} {}: a Doppler of {doppler_hz} Hz and a code delay of {code_delay_s} s cannot be",
+            self.signal, self.prn
+        )))
+    }
+}
+
 /// Tracks any number of satellites through a recording fed in pieces of any length.
 pub struct Tracker {
     input: Input,
@@ -121,6 +138,7 @@ impl Tracker {
 
     fn build_sideband(&self, config: &TrackConfig, target: &Target) -> Result<Sideband> {
         let spec = signal::find(&target.signal)?;
+        target.check(self.input.sample_rate_hz)?;
         let band = self
             .carriers_hz
             .iter()
@@ -174,8 +192,9 @@ impl Tracker {
     /// Restarts a lost signal from a new acquisition.
     ///
     /// # Errors
-    /// [`Error::Invalid`] if it is not tracked here.
+    /// [`Error::Invalid`] if it is not tracked here, or the acquisition makes no sense.
     pub fn restart(&mut self, target: &Target) -> Result<()> {
+        target.check(self.input.sample_rate_hz)?;
         let earliest = self.position();
         self.channels
             .iter_mut()
