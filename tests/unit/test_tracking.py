@@ -232,7 +232,12 @@ def test_acquisitions_of_different_samples_are_refused(recording):
 
 @pytest.mark.parametrize(
     "values",
-    [{"integration_ms": 3}, {"integration_ms": 100}, {"pll_bandwidth_hz": 40.0}, {"dll_bandwidth_hz": 1e3}]
+    [
+        {"integration_ms": 3},
+        {"integration_ms": 100},
+        {"pll_bandwidth_hz": 40.0},
+        {"dll_bandwidth_hz": 1e3},
+    ],
 )
 def test_impossible_settings_are_named(recording, values):
     with pytest.raises(ConfigError, match=next(iter(values))):
