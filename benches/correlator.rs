@@ -1,4 +1,5 @@
-//! Speed of the correlator's two parts on 2 ms of noise at 120 Msps: `cargo bench --package sdr_spoof_benches`.
+//! Speed of the correlator's two parts on 2 ms of noise at 120 Msps:
+//! `cargo bench --package sdr_spoof_benches`.
 //!
 //! - `front end`: one band, real and complex samples; once per band, whatever the satellites;
 //! - `correlator`: one channel of each signal with the tracking loops' taps, on a band that is
@@ -6,6 +7,9 @@
 //!
 //! Both count samples of the recording. The ring of sums is as long as the tracker's, so that it
 //! lies in the same level of cache.
+
+// What criterion's macros make has no documentation.
+#![allow(missing_docs)]
 
 use std::hint::black_box;
 use std::sync::Arc;

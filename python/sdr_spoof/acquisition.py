@@ -48,7 +48,7 @@ _CLOSE = 10**-1.2
 class AcquisitionConfig(BaseModel):
     """Settings of the FFT search."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     pfa: float = Field(
         default=1e-5,

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 class DetectionConfig(BaseModel):
     """What is tested, how often noise may raise an alarm, and what counts as support."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     detectors: tuple[str, ...] = Field(
         ("phase_difference_rate",), min_length=1, description="Detectors to run, by registry name."

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from sdr_spoof import _core
 from sdr_spoof.detectors.combo_model import difference_sigma_hz, fll_sigma_hz
 from sdr_spoof.detectors.config import DetectionConfig
+from sdr_spoof.detectors.presence import present
 from sdr_spoof.detectors.series import StatisticSeries
 from sdr_spoof.detectors.slips import repair_slips
 from sdr_spoof.detectors.windows import segments, sliding_mean, sliding_slope, slope_sigma
@@ -44,12 +45,19 @@ class Difference:
 
 def statistics(log: TrackLog, config: DetectionConfig) -> list[StatisticSeries]:
     """The statistic of every satellite that is tracked in both bands."""
-    return [statistic(track, config) for track in log.combos]
+    return [
+        statistic(track, config, present(log, track, config.min_cn0_dbhz)) for track in log.combos
+    ]
 
 
-def statistic(track: ComboTrack, config: DetectionConfig) -> StatisticSeries:
-    """Slope of the carrier-scaled phase difference over a sliding window, with its law."""
-    difference = scaled_difference(track, config)
+def statistic(
+    track: ComboTrack, config: DetectionConfig, there: NDArray[np.bool_] | None = None
+) -> StatisticSeries:
+    """Slope of the carrier-scaled phase difference over a sliding window, with its law.
+
+    Rows that are not ``there``, shape (M,), had no signal and are left out.
+    """
+    difference = scaled_difference(track, config, there)
     rows = max(round(config.window_s / difference.epoch_s), 3)
     parts = [
         _tests_in_piece(track, difference, number, piece, rows, config)
@@ -79,7 +87,9 @@ def statistic(track: ComboTrack, config: DetectionConfig) -> StatisticSeries:
     )
 
 
-def scaled_difference(track: ComboTrack, config: DetectionConfig) -> Difference:
+def scaled_difference(
+    track: ComboTrack, config: DetectionConfig, there: NDArray[np.bool_] | None = None
+) -> Difference:
     """phi_u - (f_u / f_l) phi_l with isolated slips repaired, on the settled pieces."""
     lower, upper = _core.signal_spec(track.lower), _core.signal_spec(track.upper)
     ratio = float(upper["carrier_hz"] / lower["carrier_hz"])
@@ -88,6 +98,7 @@ def scaled_difference(track: ComboTrack, config: DetectionConfig) -> Difference:
         (track.state >= State.SYNCED)
         & np.isfinite(track.phase_lower_cycles + track.phase_upper_cycles)
         & np.isfinite(track.cn0_lower_dbhz + track.cn0_upper_dbhz)
+        & (True if there is None else there)
     )
     settle = round(config.settle_s / epoch_s)
     pieces = tuple(

@@ -1,7 +1,7 @@
 //! Mixes a band of a recording to 0 Hz and resamples it to a low rate.
 //!
 //! The ratio of the rates may be any real number: the low-pass (Kaiser-windowed sinc) is tabulated
-//! at [`PHASES`] fractions of an input sample and evaluated at the output instants only. The
+//! at `PHASES` fractions of an input sample and evaluated at the output instants only. The
 //! mixing is folded into the taps (a band-pass), so an input sample is touched only by the
 //! outputs that need it. Output `k` is the signal at input instant `first + k * ratio`: the
 //! group delay is compensated.

@@ -21,7 +21,9 @@ const JUDGED_S: f64 = 0.03;
 const PULL_IN_S: f64 = 2.0;
 /// Phase-lock indicators that count as locked, and as lost.
 const LOCKED: f64 = 0.7;
-const UNLOCKED: f64 = 0.3;
+const UNLOCKED: f64 = 0.2;
+/// A signal is gone if a smaller share of its prompts has a signal's power.
+const ABSENT: f64 = 0.3;
 /// Lock must have been judged for this long before it can be lost, s.
 const GRACE_S: f64 = 0.3;
 
@@ -133,15 +135,16 @@ impl Sideband {
         let interval = epoch.interval_s();
         self.cn0.add_prompt(prompt, interval);
         if self.state != State::PullIn || self.phase_loop {
-            let snr = self.snr();
-            self.lock.add(prompt, snr, interval);
+            let noise_power = self.cn0.noise_power(interval);
+            let least_snr = 10f64.powf(0.1 * self.config.cn0_min_dbhz) * interval;
+            self.lock.add(prompt, noise_power, least_snr, interval);
         }
         let lost = match self.state {
             State::PullIn => self.pull_in_s > PULL_IN_S,
             State::Lost => false,
             _ => {
                 self.in_state_s > GRACE_S
-                    && (self.lock.value() < UNLOCKED || self.cn0.dbhz() < self.config.cn0_min_dbhz)
+                    && (self.lock.phase() < UNLOCKED || self.lock.presence() < ABSENT)
             }
         };
         if lost {
@@ -154,7 +157,7 @@ impl Sideband {
         match self.state {
             State::PullIn
                 if self.lock.elapsed_s() >= JUDGED_S
-                    && self.lock.value() > LOCKED
+                    && self.lock.phase() > LOCKED
                     && self.cn0.dbhz() > self.config.cn0_min_dbhz =>
             {
                 self.enter(State::Tracking);
@@ -216,7 +219,7 @@ impl Sideband {
         rows.phase_error_cycles.push(measured.phase_error);
         rows.code_error_chips.push(measured.code_error_chips);
         rows.cn0_dbhz.push(self.cn0.dbhz());
-        rows.phase_lock.push(self.lock.value());
+        rows.phase_lock.push(self.lock.phase());
         rows.taps.extend(
             epoch
                 .taps

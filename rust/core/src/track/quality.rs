@@ -98,37 +98,50 @@ impl Cn0 {
     }
 }
 
-/// Phase lock: mean of cos(2 phase error) over what noise alone leaves of it; 1 locked, 0 not,
-/// -1 a quarter of a cycle off.
-///
-/// Every prompt counts alike: were they weighted by power, a signal that vanishes would be
-/// remembered for as long as its power dwarfs the noise.
+/// Whether a signal is there, and its phase held.
 #[derive(Debug, Clone)]
-pub struct PhaseLock {
+pub struct Lock {
     aligned: RunningMean,
-    snr: f64,
+    signal: RunningMean,
+    present: RunningMean,
 }
 
-impl PhaseLock {
+impl Lock {
     /// An empty detector.
     pub fn new(memory_s: f64) -> Self {
-        PhaseLock {
-            aligned: RunningMean::new(memory_s),
-            snr: 1.0,
+        let [aligned, signal, present] = std::array::from_fn(|_| RunningMean::new(memory_s));
+        Lock {
+            aligned,
+            signal,
+            present,
         }
     }
 
-    /// Adds a prompt of a signal-to-noise ratio (C/N0 times the interval).
-    pub fn add(&mut self, prompt: C64, snr: f64, interval_s: f64) {
-        self.aligned.add((2.0 * prompt.arg()).cos(), interval_s);
-        self.snr = snr;
+    /// Adds a prompt with the mean noise power in it; `least_snr` is that of the weakest signal
+    /// that counts as present.
+    pub fn add(&mut self, prompt: C64, noise_power: f64, least_snr: f64, interval_s: f64) {
+        let power = prompt.norm_sqr();
+        self.aligned
+            .add(prompt.re * prompt.re - prompt.im * prompt.im, interval_s);
+        self.signal.add(power - noise_power, interval_s);
+        let present = power > noise_power * (1.0 + least_snr);
+        self.present.add(f64::from(u8::from(present)), interval_s);
     }
 
-    /// The indicator in [-1, 1]; 0 while empty.
-    pub fn value(&self) -> f64 {
-        // Mean of cos(2 error) of a phasor in Gaussian noise.
-        let left = 1.0 - (1.0 - (-self.snr).exp()) / self.snr;
-        (self.aligned.value() / left).clamp(-1.0, 1.0)
+    /// Phase lock: mean of cos(2 phase error) weighted by power, noise removed; 1 locked, 0 not,
+    /// -1 a quarter of a cycle off. 0 while empty.
+    pub fn phase(&self) -> f64 {
+        if self.signal.value() > 0.0 {
+            (self.aligned.value() / self.signal.value()).clamp(-1.0, 1.0)
+        } else {
+            0.0
+        }
+    }
+
+    /// Share of prompts with the power of a signal. A mean of powers would remember a strong
+    /// signal long after it has vanished.
+    pub fn presence(&self) -> f64 {
+        self.present.value()
     }
 
     /// Seconds added.

@@ -13,7 +13,7 @@ use super::epoch::{Epoch, Seed};
 use super::frequency::FrequencyBlock;
 use super::log::{SignalRows, State};
 use super::loop_filter::LoopFilter;
-use super::quality::{Cn0, PhaseLock, RunningMean};
+use super::quality::{Cn0, Lock, RunningMean};
 use super::sync::{SecondarySync, SymbolSync};
 use super::taps::Taps;
 use crate::dsp::correlator::Correlator;
@@ -63,7 +63,7 @@ pub struct Sideband {
     /// The phase loop runs.
     pub(super) phase_loop: bool,
     pub(super) cn0: Cn0,
-    pub(super) lock: PhaseLock,
+    pub(super) lock: Lock,
     pub(super) side_peaks: [RunningMean; 3],
     pub(super) in_state_s: f64,
     /// Since the last start.
@@ -117,7 +117,7 @@ impl Sideband {
             frequency: FrequencyBlock::default(),
             phase_loop: false,
             cn0: Cn0::new(0.5),
-            lock: PhaseLock::new(0.05),
+            lock: Lock::new(0.05),
             side_peaks: Default::default(),
             in_state_s: 0.0,
             pull_in_s: 0.0,
@@ -246,7 +246,7 @@ impl Sideband {
         };
         self.length = length;
         let interval = length as f64 * SLICE_S;
-        self.lock = PhaseLock::new(memory);
+        self.lock = Lock::new(memory);
         // A wide loop's acceleration is mostly noise: the narrow one starts without.
         self.carrier = LoopFilter::new(order, pll, interval).starting(self.carrier.rate, 0.0);
         self.code = LoopFilter::new(1, dll, interval);

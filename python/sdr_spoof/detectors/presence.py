@@ -1,0 +1,60 @@
+"""Where the signals of a combo were really there: loops know it too late.
+
+A loop that has lost its signal turns at random for some tenths of a second before its lock
+detector, which must average, says so; the C/N0 estimate lags likewise. Rows from such a time would
+look like an attack on every satellite that sets or goes behind a house. Here the prompt power is
+judged in hindsight, over short windows, and all rows of a window without signal are left out.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation, uniform_filter1d
+
+from sdr_spoof.records import ComboTrack, SignalTrack, TrackLog
+from sdr_spoof.signals import signal_spec
+
+WINDOW_S = 0.1
+"""Length of a window: shorter gaps turn no loop far, and beats of an attack are mostly shorter."""
+BELOW_DB = 3.0
+"""A window is empty this far below the C/N0 that a test needs: 2.7 sigma at that C/N0, 10 sigma
+above noise alone."""
+NOISE_CHIPS = 1.5
+"""A tap this far from the prompt, or further, sees noise alone."""
+NOISE_S = 2.0
+"""Noise power is averaged over this."""
+
+
+def present(log: TrackLog, combo: ComboTrack, min_cn0_dbhz: float) -> NDArray[np.bool_]:
+    """Rows of the combo in which both its signals were there, shape (N,).
+
+    A signal whose own track is not in the log, or has no noise tap, counts as there.
+    """
+    there = np.ones(combo.time_s.size, dtype=np.bool_)
+    for track in log.signals:
+        if track.prn == combo.prn and track.signal in (combo.lower, combo.upper):
+            rows = np.searchsorted(track.time_s, combo.time_s - 0.5 * combo.integration_s)
+            rows = np.minimum(rows, track.time_s.size - 1)
+            there &= ~empty(track, min_cn0_dbhz - BELOW_DB)[rows]
+    return there
+
+
+def empty(track: SignalTrack, cn0_dbhz: float) -> NDArray[np.bool_]:
+    """Rows within any window whose mean prompt power is below the given C/N0, shape (N,)."""
+    interval = track.integration_s
+    noise_tap = int(np.argmax(np.abs(track.tap_offsets_s)))
+    chip_s = 1.0 / signal_spec(track.signal).chip_rate_hz
+    if interval.size == 0 or abs(float(track.tap_offsets_s[noise_tap])) < NOISE_CHIPS * chip_s:
+        return np.zeros(interval.size, dtype=np.bool_)
+    epoch_s = float(np.median(interval))
+    power, noise = (
+        np.abs(track.taps[:, tap].astype(np.complex128)) ** 2 / interval
+        for tap in (track.prompt_tap, noise_tap)
+    )
+    noise = uniform_filter1d(noise, max(round(NOISE_S / epoch_s), 1), mode="nearest")
+    excess = power - noise * (1.0 + 10 ** (cn0_dbhz / 10.0) * interval)
+    width = round(WINDOW_S / epoch_s) // 2 * 2 + 1
+    low = uniform_filter1d(excess, width, mode="nearest") <= 0.0
+    # A window stands at its middle row: spread each back over all its rows.
+    return np.asarray(binary_dilation(low, np.ones(width, np.bool_)))
