@@ -38,7 +38,7 @@ class State(IntEnum):
 
     LOST = 0
     PULL_IN = 1
-    """Frequency-locked loop on 1 ms integrations."""
+    """1 ms integrations: frequency from blocks of prompts, then the phase loop."""
     TRACKING = 2
     """Phase and code locked; secondary code or bit edges not yet known."""
     SYNCED = 3

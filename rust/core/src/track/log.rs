@@ -8,7 +8,7 @@ use num_complex::Complex;
 pub enum State {
     /// Not tracked.
     Lost = 0,
-    /// Frequency-locked loop on 1 ms integrations.
+    /// 1 ms integrations: frequency from blocks of prompts, then the phase loop.
     PullIn = 1,
     /// Phase and code locked, symbol edges or secondary code not yet known.
     Tracking = 2,
@@ -54,9 +54,9 @@ pub struct ComboRows {
     pub integration_s: Vec<f64>,
     /// [`State`] as a number.
     pub state: Vec<u8>,
-    /// Measured carrier phase of the lower sideband.
+    /// Measured carrier phase of the lower sideband, brought to the upper one's instant.
     pub phase_lower_cycles: Vec<f64>,
-    /// Measured carrier phase of the upper sideband, brought to the same instant.
+    /// Measured carrier phase of the upper sideband.
     pub phase_upper_cycles: Vec<f64>,
     /// C/N0 of the lower sideband.
     pub cn0_lower_dbhz: Vec<f64>,
