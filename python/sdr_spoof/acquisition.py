@@ -125,8 +125,10 @@ def acquire(
 
     Raises:
         SignalError: unknown signal, one that the recording cannot hold, or no PRN to search.
-        RecordingError: too short after ``start_sample``, or silent.
+        RecordingError: ``start_sample`` negative, too short after it, or silent.
     """
+    if start_sample < 0:
+        raise RecordingError(f"start_sample is {start_sample}; the first sample of a file is 0")
     plans = [
         _plan(recording, config, signal, prns, start_sample)
         for signal in _ordered(recording, signals, prns)

@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     from .sources import Recording
 
 
+ONSET_SLACK_S = 0.1
+"""An estimated onset may lie this far before the true one: the estimate has noise."""
+
+
 @dataclass(frozen=True)
 class Processed:
     """Everything that processing a recording gave."""
@@ -69,7 +73,7 @@ class TruthComparison:
             return self.verdict == CLEAN
         if self.verdict != SPOOFED or self.onset_s is None or self.start_s is None:
             return False
-        return self.band in self.attacked and self.onset_s >= self.start_s
+        return self.band in self.attacked and self.onset_s >= self.start_s - ONSET_SLACK_S
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from . import _core
 from .acquisition import AcquisitionConfig, acquire
-from .errors import ConfigError
+from .errors import ConfigError, RecordingError
 from .records import Acquisition, ComboTrack, SignalTrack, TrackLog
 from .signals import signal_spec
 
@@ -31,7 +31,7 @@ QMBOC_HALF_BANDWIDTH_HZ = 7.161e6
 class TrackingConfig(BaseModel):
     """Settings of the tracking loops; bandwidths are single-sided noise bandwidths."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     pll_bandwidth_hz: float = Field(
         10.0, gt=0, description="phase-locked loop of a single sideband, once synchronised"
@@ -91,6 +91,8 @@ def track(
     """
     config = config or TrackingConfig()
     start, targets = _targets(acquisitions)
+    if start * _core.sample_format(recording.format.sample_format)[0] % 8:
+        raise ConfigError(f"sample {start} starts inside a byte; choose a multiple of 8")
     for signal in sorted({a.signal for a in acquisitions if a.detected}):
         recording.check_signal(signal)
     tracker = _tracker(recording, targets, config, start, threads or os.cpu_count() or 1)
@@ -198,16 +200,19 @@ def _is_whole_second(recording: Source, sample: int) -> bool:
 
 
 def _reacquire(tracker: _core.Tracker, recording: Source, sample: int, threads: int | None) -> None:
-    """Search near their last Doppler for the signals that are lost at this sample."""
+    """Search for the signals that are lost at this sample; those not found stay lost."""
     for signal, prn, _doppler_hz in tracker.lost():
-        found = acquire(
-            recording,
-            AcquisitionConfig(),
-            signals=[signal],
-            prns=[prn],
-            start_sample=sample,
-            threads=threads,
-        )
+        try:
+            found = acquire(
+                recording,
+                AcquisitionConfig(),
+                signals=[signal],
+                prns=[prn],
+                start_sample=sample,
+                threads=threads,
+            )
+        except RecordingError:  # too little left, or silence: nothing to find
+            continue
         for acquisition in found:
             if acquisition.detected and acquisition.signal == signal:
                 tracker.restart(_target(acquisition))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import resource
 import signal
 import subprocess
@@ -188,22 +189,53 @@ def run(*arguments: str | Path, **options: object) -> subprocess.CompletedProces
     )
 
 
+SCENARIO = """
+[recording]
+duration_s = 2.0
+sample_rate_hz = 5e6
+lo_hz = 1575.42e6
+sample_format = "ci8"
+[[satellite]]
+prn = 27
+signals = ["B1C"]
+"""
+
+
+def scenario_file(folder: Path, text: str = SCENARIO) -> Path:
+    path = folder / "scenario.toml"
+    path.write_text(text)
+    return path
+
+
 def no_room() -> None:
     """Let the process write no file beyond 4 kB, as if the disk were full."""
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
 
 
-@pytest.mark.parametrize("command", ["info", "acquire"])
+@pytest.mark.parametrize("command", ["info", "acquire", "track", "process"])
 def test_disk_full_while_writing(command: str, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    flags = ["--signals", "L1CA", "--prns", "1-3"] if command == "acquire" else []
+    flags = [] if command == "info" else ["--signals", "L1CA", "--prns", "1-3,26"]
     result = run(command, REAL, *flags, "-o", out, preexec_fn=no_room)
     assert result.returncode == 1
     assert result.stdout == ""
-    assert "out: cannot be written: " in result.stderr
+    assert re.search(r"out(/result\.h5)?: cannot be written: ", result.stderr)
     assert "Traceback" not in result.stderr
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("command", ["synth", "demo"])
+def test_disk_full_while_synthesising(command: str, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    scenario = [] if command == "demo" else [scenario_file(tmp_path)]
+    result = run(command, *scenario, "-o", out, preexec_fn=no_room)
+    assert result.returncode == 1
+    assert result.stdout == ""
+    assert "cannot be written: " in result.stderr
+    assert "nothing was kept" in result.stderr
+    assert "Traceback" not in result.stderr
+    assert [p for p in tmp_path.iterdir() if p.suffix != ".toml"] == []
 
 
 def test_interrupt(tmp_path: Path) -> None:
@@ -227,6 +259,81 @@ def test_interrupt(tmp_path: Path) -> None:
     assert "interrupted" in first + err
     assert "Traceback" not in err
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("duration_s = 2.0", "duration_s = -1", "[recording] duration_s: "),
+        ("sample_format", "sampel_format", "unknown key 'sampel_format'; did you mean 'sample_"),
+        ('"ci8"', '"u8"', "unknown sample format 'u8'; known formats: ri8"),
+        ('["B1C"]', '["B1Q"]', "[[satellite]] (number 1): unknown signal 'B1Q'"),
+        ('["B1C"]', '["B1I"]', "[[satellite]] signals: B1I of PRN 27 needs 1560.08"),
+        ("5e6", "1e6", "the recording samples 1574.92 to 1575.92 MHz: raise sample_rate_hz"),
+        ("[[satellite]]", "[[satelite]]", "unknown key 'satelite'; did you mean 'satellite'?"),
+        ("prn = 27", "prn = ", "not valid TOML"),
+    ],
+)
+def test_wrong_scenario(
+    old: str, new: str, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = scenario_file(tmp_path, SCENARIO.replace(old, new))
+    code, text = failing(capsys, "synth", path, "-o", tmp_path / "out")
+    assert code == 2
+    assert text.startswith(f"sdr-spoof: {path}: ")
+    assert message in text
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_synth_and_demo_do_not_overwrite(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = scenario_file(tmp_path)
+    for name in ("demo.sigmf-data", "demo.sigmf-meta", "demo.truth.json"):
+        (tmp_path / name).write_text("mine")
+        message = failing(capsys, "synth", path, "-o", tmp_path / "demo")[1]
+        assert f"{name}: exists already" in message
+        message = failing(capsys, "demo", "-o", tmp_path)[1]
+        assert f"{name}: exists already" in message
+        assert (tmp_path / name).read_text() == "mine"
+        (tmp_path / name).unlink()
+    assert "no such folder" in failing(capsys, "synth", path, "-o", tmp_path / "none" / "x")[1]
+
+
+def test_cut_off_sigmf_recording(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    short = SCENARIO.replace("2.0", "0.1")
+    assert main(["synth", str(scenario_file(tmp_path, short)), "-o", str(tmp_path / "a")]) == 0
+    capsys.readouterr()
+    data = tmp_path / "a.sigmf-data"
+    os.truncate(data, data.stat().st_size - 1)
+    message = read_failing(capsys, tmp_path, tmp_path / "a.sigmf-meta")
+    assert "not a whole number of ci8 samples" in message
+    data.unlink()
+    assert "no such file" in read_failing(capsys, tmp_path, tmp_path / "a.sigmf-meta")
+
+
+@pytest.mark.parametrize("command", ["acquire", "track", "process"])
+def test_too_short_and_silent_recordings(
+    command: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    noise_file: Callable[..., Path],
+) -> None:
+    out = tmp_path / "out"
+    path = noise_file(count=2000)
+    flags = ["--signals", "B1C", "--prns", "30", "-o", out]
+    assert "too short: B1CD needs 20 ms" in failing(capsys, command, path, *flags)[1]
+    path.write_bytes(bytes(1_000_000))
+    failing(capsys, command, path, *flags)
+    assert not out.exists()
+
+
+def test_output_folder_that_is_a_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], noise_file: Callable[..., Path]
+) -> None:
+    path = noise_file()
+    assert "is a file; name a folder" in failing(capsys, "process", path, "-o", path)[1]
+    assert "is a file; name a folder" in failing(capsys, "demo", "-o", path)[1]
 
 
 def test_broken_pipe() -> None:

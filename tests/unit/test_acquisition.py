@@ -170,8 +170,10 @@ def test_what_cannot_be_searched_is_refused(tmp_path):
         acquire(source, AcquisitionConfig(), signals=["B1Q"])
     with pytest.raises(SignalError, match="outside its band"):
         acquire(source, AcquisitionConfig(), signals=["L1CA"])
-    with pytest.raises(SignalError, match=r"\[64\] transmits B1I"):
+    with pytest.raises(SignalError, match=r"B1I: none of the PRNs asked for \(64\)"):
         acquire(source, AcquisitionConfig(), signals=["B1I"], prns=[64])
+    with pytest.raises(RecordingError, match="start_sample is -4; the first"):
+        acquire(source, AcquisitionConfig(), signals=["B1I"], start_sample=-4)
     (tmp_path / "silence.bin").write_bytes(bytes(64_000))
     silence = open_recording(tmp_path / "silence.bin", source.format)
     with pytest.raises(RecordingError, match="all zero"):

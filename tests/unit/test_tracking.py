@@ -167,6 +167,74 @@ def test_b1i_epochs_keep_within_symbols():
     assert amplitude.min() > 0.6 * amplitude.mean()
 
 
+def test_a_third_signal_of_a_satellite_is_tracked_beside_the_combo():
+    emitters = {
+        signal: _core.Emitter(signal, 30, 45.0, delay_s=0.0712345, doppler_hz=800.0, data_seed=3)
+        for signal in ("B1CD", "B1CP", "B1I")
+    }
+    found = [seed_of(e, signal, 30) for signal, e in emitters.items()]
+    log = track(Synthetic(list(emitters.values()), 2.0), found, threads=2)
+    (combo,) = log.combos
+    assert (combo.lower, combo.upper) == ("B1I", "B1CP")
+    assert combo.state[-1] == State.COMBO
+    states = {t.signal: t.state[-1] for t in log.signals}
+    assert states == {"B1I": State.COMBO, "B1CP": State.COMBO, "B1CD": State.SYNCED}
+
+
+def test_b1i_joins_the_data_component_where_there_is_no_pilot():
+    emitters = {
+        signal: _core.Emitter(signal, 30, 48.0, delay_s=0.0712345, doppler_hz=800.0, data_seed=3)
+        for signal in ("B1CD", "B1I")
+    }
+    found = [seed_of(e, signal, 30) for signal, e in emitters.items()]
+    log = track(Synthetic(list(emitters.values()), 4.0), found, threads=2)
+    (combo,) = log.combos
+    assert combo.state[-1] == State.COMBO
+    assert all((t.state != State.LOST).all() for t in log.signals)
+
+
+@pytest.mark.parametrize("integration_ms", [1, 2, 4, 5, 20])
+def test_the_pilot_synchronises_at_every_integration_time(integration_ms):
+    t, _ = run_one("B1CP", 30, config=TrackingConfig(integration_ms=integration_ms))
+    assert t.state[-1] == State.SYNCED
+    assert t.integration_s[-1] == pytest.approx(integration_ms * 1e-3)
+
+
+def test_silence_is_a_loss():
+    emitter = _core.Emitter("B1CP", 29, 45.0, delay_s=0.0712345, doppler_hz=500.0)
+
+    class Silent(Synthetic):
+        def read_raw(self, start, count):
+            raw = super().read_raw(start, count).copy()
+            at = start + np.arange(raw.size // 2)
+            raw.reshape(-1, 2)[at > 1.2 * RATE_HZ] = 0
+            return raw
+
+    t = track(Silent([emitter], 2.02), [seed_of(emitter, "B1CP", 29)], threads=1).signals[0]
+    assert t.state[-1] == State.LOST
+    assert 1.2 < t.time_s[-1] < 1.7
+
+
+def test_silence_from_the_start_is_no_signal():
+    class Silent(Synthetic):
+        def read_raw(self, start, count):
+            return np.zeros_like(super().read_raw(start, count))
+
+    emitter = _core.Emitter("B1CP", 29, 45.0, delay_s=0.0712345, doppler_hz=500.0)
+    t = track(Silent([emitter], 2.5), [seed_of(emitter, "B1CP", 29)], threads=1).signals[0]
+    assert t.state[-1] == State.LOST
+    assert np.isfinite(t.code_phase_chips).all()
+    assert (np.diff(t.time_s) > 0).all()
+
+
+@pytest.mark.parametrize("doppler_hz", [np.nan, 1e12])
+def test_seeds_that_cannot_be_are_refused(doppler_hz, recording):
+    source, (first, *_) = recording
+    wrong = Acquisition(**{**first.__dict__, "doppler_hz": doppler_hz})
+    with pytest.raises(ConfigError, match="cannot be"):
+        track(source, [wrong])
+
+
 def test_a_lost_signal_is_found_again():
     silence = [(0.0, 0.0), (1.2, 0.0), (1.2001, -90.0), (1.9, -90.0), (1.9001, 0.0), (9.0, 0.0)]
     t, emitter = run_one("B1CP", 33, duration_s=3.4, power_db=silence)
@@ -177,6 +245,12 @@ def test_a_lost_signal_is_found_again():
     late = t.time_s > 3.0
     error = t.carrier_phase_cycles[late] + emitter.received_phase_cycles(t.time_s[late])
     assert np.abs(error - np.round(error.mean())).max() < 0.1
+
+
+def test_a_search_with_too_little_signal_left_ends_nothing():
+    gone = [(0.0, 0.0), (1.2, 0.0), (1.2001, -90.0), (9.0, -90.0)]
+    t, _ = run_one("B1CP", 33, duration_s=2.005, power_db=gone)
+    assert t.state[-1] == State.LOST
 
 
 def test_without_reacquisition_a_lost_signal_stays_lost():

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from sdr_spoof import _core
 from sdr_spoof.signals import components, signal_spec
+from sdr_spoof.sources.model import SampledBand
 
 REFERENCE_HZ = 1575.42e6
 """Carrier at which ``Satellite.doppler_hz`` is stated."""
@@ -19,14 +19,10 @@ _DEFAULT_RMS_LSB = {"i8": 16.0, "i16": 256.0, "f32": 1.0, "2": 2.0}
 _CONFIG = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
-class RecordingPlan(BaseModel):
+class RecordingPlan(SampledBand):
     """The recording to make: table ``[recording]``."""
 
-    model_config = _CONFIG
-
     duration_s: float = Field(gt=0, description="length")
-    sample_rate_hz: float = Field(gt=0, description="samples per second")
-    lo_hz: float = Field(description="radio frequency at 0 Hz in the file: IF = RF - lo_hz")
     sample_format: str = Field("ri8", description="ri8 ci8 ri16 ci16 rf32 cf32 r2 c2")
     bandwidth_hz: float | None = Field(
         None, gt=0, description="front-end bandwidth (6 dB); no filter if left out"
@@ -45,12 +41,6 @@ class RecordingPlan(BaseModel):
     )
     seed: int = Field(1, ge=0, lt=2**63, description="seed of the noise and of random choices")
 
-    @field_validator("sample_format")
-    @classmethod
-    def _known_format(cls, name: str) -> str:
-        _core.sample_format(name)  # its error lists the known names
-        return name
-
     @model_validator(mode="after")
     def _filter_fits(self) -> Self:
         if self.filter_taps % 2 == 0:
@@ -68,22 +58,6 @@ class RecordingPlan(BaseModel):
                 "narrower filter, another centre_hz or a higher sample_rate_hz"
             )
         return self
-
-    @property
-    def is_complex(self) -> bool:
-        """Whether samples are I/Q pairs."""
-        return _core.sample_format(self.sample_format)[1]
-
-    @property
-    def bits_per_sample(self) -> int:
-        """Bits of one sample, I and Q together."""
-        return _core.sample_format(self.sample_format)[0]
-
-    @property
-    def band_hz(self) -> tuple[float, float]:
-        """Lowest and highest radio frequency of the sampled band."""
-        half = self.sample_rate_hz / 2
-        return (self.lo_hz - half if self.is_complex else self.lo_hz, self.lo_hz + half)
 
     @property
     def front_end_centre_hz(self) -> float:

@@ -9,8 +9,8 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator, model_valida
 from sdr_spoof import _core
 
 
-class RecordingFormat(BaseModel):
-    """How samples are stored, and where the spectrum lies: file (IF) frequency = RF - lo_hz."""
+class SampledBand(BaseModel):
+    """What samples are stored as, and what band of radio frequencies they hold."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -23,31 +23,12 @@ class RecordingFormat(BaseModel):
         description="radio frequency that lies at 0 Hz in the file, so that file frequency = "
         "RF - lo_hz (for an IF recording: carrier minus IF)"
     )
-    offset_bytes: int = Field(0, ge=0, description="bytes to skip at the start of the file")
-    conjugate: bool = Field(
-        False, description="true if the file holds I - jQ (spectrum mirrored); complex only"
-    )
-    bandwidth_hz: float | None = Field(
-        None, gt=0, description="two-sided bandwidth of the front end; for information"
-    )
-    float_scale: float = Field(
-        1.0,
-        gt=0,
-        description="rf32, cf32: factor before rounding to 16 bits (if left out: such that the "
-        "rms over the start of the file becomes 30)",
-    )
 
     @field_validator("sample_format")
     @classmethod
     def _known_format(cls, name: str) -> str:
         _core.sample_format(name)  # its error lists the known names
         return name
-
-    @model_validator(mode="after")
-    def _conjugate_needs_complex(self) -> Self:
-        if self.conjugate and not self.is_complex:
-            raise ValueError("conjugate needs a complex sample format")
-        return self
 
     @property
     def bits_per_sample(self) -> int:
@@ -68,3 +49,27 @@ class RecordingFormat(BaseModel):
         """
         half = self.sample_rate_hz / 2
         return (self.lo_hz - half if self.is_complex else self.lo_hz, self.lo_hz + half)
+
+
+class RecordingFormat(SampledBand):
+    """How samples are stored, and where the spectrum lies: file (IF) frequency = RF - lo_hz."""
+
+    offset_bytes: int = Field(0, ge=0, description="bytes to skip at the start of the file")
+    conjugate: bool = Field(
+        False, description="true if the file holds I - jQ (spectrum mirrored); complex only"
+    )
+    bandwidth_hz: float | None = Field(
+        None, gt=0, description="two-sided bandwidth of the front end; for information"
+    )
+    float_scale: float = Field(
+        1.0,
+        gt=0,
+        description="rf32, cf32: factor before rounding to 16 bits (if left out: such that the "
+        "rms over the start of the file becomes 30)",
+    )
+
+    @model_validator(mode="after")
+    def _conjugate_needs_complex(self) -> Self:
+        if self.conjugate and not self.is_complex:
+            raise ValueError("conjugate needs a complex sample format")
+        return self

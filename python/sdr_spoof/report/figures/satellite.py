@@ -76,12 +76,15 @@ def doppler_residual_hz(track: SignalTrack, course: NDArray[np.float64]) -> NDAr
 
 
 def code_minus_carrier_m(track: SignalTrack, held: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Range by code minus range by carrier phase, from its first value, in m."""
+    """Range by code minus range by carrier phase in m; each unbroken piece starts at zero."""
     spec = _core.signal_spec(track.signal)
     code_m = C_M_S * (track.time_s - track.code_phase_chips / spec["chip_rate_hz"])
     difference = code_m - track.carrier_phase_cycles * C_M_S / spec["carrier_hz"]
-    first = np.flatnonzero(held)[:50]
-    return np.asarray(difference - np.median(difference[first]))
+    rows = np.flatnonzero(held)
+    # After a loss of lock both phases start anew.
+    for piece in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1):
+        difference[piece] -= np.median(difference[piece[:50]]) if piece.size else 0.0
+    return np.asarray(difference)
 
 
 def correlation_shape(track: SignalTrack, part: NDArray[np.bool_]) -> NDArray[np.float64]:

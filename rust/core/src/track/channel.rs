@@ -7,7 +7,7 @@ use super::log::{ComboRows, State};
 use super::sideband::Sideband;
 use crate::dsp::prefix::PrefixBand;
 
-/// Two integrations belong together if they end within this, s.
+/// Two integrations belong together if they begin within this, s.
 const PAIRED_S: f64 = 0.4e-3;
 /// Both sidebands must have run by themselves this long before they are joined, s.
 const SETTLED_S: f64 = 0.5;
@@ -18,7 +18,7 @@ const PARTED: f64 = 0.4;
 pub struct Channel {
     /// Its number.
     pub prn: u16,
-    /// Its signals, by carrier frequency.
+    /// One signal, or two to be coupled, the lower carrier first.
     pub sidebands: Vec<Sideband>,
     /// Rows of the pair; empty where there is one sideband.
     pub combo: ComboRows,
@@ -30,14 +30,13 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// A satellite with the given sidebands.
+    /// A satellite with one sideband, or two that may be coupled, the lower carrier first.
     pub fn new(
         prn: u16,
-        mut sidebands: Vec<Sideband>,
+        sidebands: Vec<Sideband>,
         config: &TrackConfig,
         sample_rate_hz: f64,
     ) -> Self {
-        sidebands.sort_by(|a, b| a.spec.carrier_hz.total_cmp(&b.spec.carrier_hz));
         Channel {
             prn,
             pending: sidebands.iter().map(|_| None).collect(),
@@ -68,16 +67,16 @@ impl Channel {
     fn close(&mut self) -> bool {
         if self.pairs() {
             match &self.pending[..] {
-                [Some(lower), Some(upper)] if self.belong(lower, upper.end() as f64) => {
+                [Some(lower), Some(upper)] if self.belong(lower, upper.first) => {
                     let (lower, upper) = (lower.clone(), upper.clone());
                     self.pending = vec![None, None];
                     self.close_pair(&lower, &upper);
                     return true;
                 }
-                [Some(epoch), None] if self.belong(epoch, self.sidebands[1].expected_end()) => {
+                [Some(epoch), None] if self.belong(epoch, self.sidebands[1].begins()) => {
                     return false;
                 }
-                [None, Some(epoch)] if self.belong(epoch, self.sidebands[0].expected_end()) => {
+                [None, Some(epoch)] if self.belong(epoch, self.sidebands[0].begins()) => {
                     return false;
                 }
                 _ => {}
@@ -96,8 +95,9 @@ impl Channel {
         true
     }
 
-    fn belong(&self, epoch: &Epoch, other_end: f64) -> bool {
-        (epoch.end() as f64 - other_end).abs() < PAIRED_S * self.sample_rate_hz
+    /// Whether an integration and one of the other sideband are of the same transmit time.
+    fn belong(&self, epoch: &Epoch, other_first: u64) -> bool {
+        (epoch.first.abs_diff(other_first) as f64) < PAIRED_S * self.sample_rate_hz
     }
 
     /// Two sidebands, both synchronised.
@@ -125,7 +125,7 @@ impl Channel {
         if let Some(joint) = &mut self.joint {
             let prompts = [0, 1].map(|i| {
                 let s = &self.sidebands[i];
-                epochs[i].taps[s.taps.prompt] / s.amplitude(interval)
+                s.wiped(epochs[i].taps[s.taps.prompt]) / s.amplitude(interval)
             });
             let steering = joint.update(prompts[0], prompts[1], interval);
             for (i, sideband) in self.sidebands.iter_mut().enumerate() {

@@ -60,10 +60,8 @@ impl JointLoops {
         }
     }
 
-    /// Takes the normalised prompts (lower, upper) of one epoch.
+    /// Takes the prompts (lower, upper) of one epoch, amplitude and symbols removed.
     pub fn update(&mut self, lower: C64, upper: C64, interval_s: f64) -> Steering {
-        // The lower symbol's sign by decision: the loops hold the lower phase near zero.
-        let lower = if lower.re < 0.0 { -lower } else { lower };
         self.alignment.add((upper * lower.conj()).re, interval_s);
         let main = self.main.update(discriminator::phase(upper + lower));
         let sub = self.sub.update(discriminator::phase(upper + lower.conj()));

@@ -56,7 +56,8 @@ impl TrackConfig {
                 self.integration_ms
             )));
         }
-        let interval = self.integration_ms as f64 * 1e-3;
+        // The B1C pilot is tracked on code periods of 10 ms until its secondary code is found.
+        let interval = self.integration_ms.max(10) as f64 * 1e-3;
         for (name, value, longest) in [
             ("pll_bandwidth_hz", self.pll_bandwidth_hz, interval),
             ("dll_bandwidth_hz", self.dll_bandwidth_hz, interval),

@@ -19,7 +19,11 @@ pub fn costas(prompt: C64) -> f64 {
 ///
 /// `power` is the (smoothed) prompt power and `slope` from [`early_late_slope`].
 pub fn code(early: C64, prompt: C64, late: C64, power: f64, slope: f64) -> f64 {
-    ((early - late) * prompt.conj()).re / (power * slope)
+    if power > 0.0 {
+        ((early - late) * prompt.conj()).re / (power * slope)
+    } else {
+        0.0
+    }
 }
 
 /// Autocorrelation of a chip sequence with the given shape, at a delay in chips, for random codes

@@ -43,6 +43,23 @@ pub struct Target {
     pub seed: Seed,
 }
 
+impl Target {
+    fn check(&self, sample_rate_hz: f64) -> Result<()> {
+        let Seed {
+            doppler_hz,
+            code_delay_s,
+            ..
+        } = self.seed;
+        if doppler_hz.abs() < 0.5 * sample_rate_hz && (0.0..1e3).contains(&code_delay_s) {
+            return Ok(());
+        }
+        Err(Error::Invalid(format!(
+            "{} {}: a Doppler of {doppler_hz} Hz and a code delay of {code_delay_s} s cannot be",
+            self.signal, self.prn
+        )))
+    }
+}
+
 /// Tracks any number of satellites through a recording fed in pieces of any length.
 pub struct Tracker {
     input: Input,
@@ -54,7 +71,8 @@ pub struct Tracker {
 }
 
 impl Tracker {
-    /// A tracker for the given targets. Signals of one PRN and system are tracked together.
+    /// A tracker for the given targets. Two signals of one satellite on different carriers are
+    /// tracked together.
     ///
     /// # Errors
     /// Unknown signals or PRNs, settings out of range, no thread pool.
@@ -99,27 +117,35 @@ impl Tracker {
     }
 
     fn build_channels(&self, config: &TrackConfig, targets: &[Target]) -> Result<Vec<Channel>> {
-        let mut groups: Vec<((char, u16), Vec<Sideband>)> = Vec::new();
+        let mut satellites: Vec<((char, u16), Vec<Sideband>)> = Vec::new();
         for target in targets {
-            let spec = signal::find(&target.signal)?;
-            let band = self
-                .carriers_hz
-                .iter()
-                .position(|&c| c == spec.carrier_hz)
-                .unwrap_or(0);
-            let (fs, start) = (self.input.sample_rate_hz, self.input.start);
-            let sideband = Sideband::new(spec, target.prn, band, fs, config, target.seed, start)?;
-            let key = (spec.system, target.prn);
-            match groups.iter_mut().find(|g| g.0 == key) {
-                Some(group) => group.1.push(sideband),
-                None => groups.push((key, vec![sideband])),
+            let sideband = self.build_sideband(config, target)?;
+            let key = (sideband.spec.system, target.prn);
+            match satellites.iter_mut().find(|s| s.0 == key) {
+                Some(satellite) => satellite.1.push(sideband),
+                None => satellites.push((key, vec![sideband])),
             }
         }
         let fs = self.input.sample_rate_hz;
-        Ok(groups
+        Ok(satellites
             .into_iter()
-            .map(|((_, prn), s)| Channel::new(prn, s, config, fs))
+            .flat_map(|((_, prn), sidebands)| {
+                let channel = move |s| Channel::new(prn, s, config, fs);
+                coupled(sidebands).into_iter().map(channel)
+            })
             .collect())
+    }
+
+    fn build_sideband(&self, config: &TrackConfig, target: &Target) -> Result<Sideband> {
+        let spec = signal::find(&target.signal)?;
+        target.check(self.input.sample_rate_hz)?;
+        let band = self
+            .carriers_hz
+            .iter()
+            .position(|&c| c == spec.carrier_hz)
+            .unwrap_or(0);
+        let (fs, start) = (self.input.sample_rate_hz, self.input.start);
+        Sideband::new(spec, target.prn, band, fs, config, target.seed, start)
     }
 
     /// Absorbs raw bytes of whole samples.
@@ -166,8 +192,9 @@ impl Tracker {
     /// Restarts a lost signal from a new acquisition.
     ///
     /// # Errors
-    /// [`Error::Invalid`] if it is not tracked here.
+    /// [`Error::Invalid`] if it is not tracked here, or the acquisition makes no sense.
     pub fn restart(&mut self, target: &Target) -> Result<()> {
+        target.check(self.input.sample_rate_hz)?;
         let earliest = self.position();
         self.channels
             .iter_mut()
@@ -180,4 +207,30 @@ impl Tracker {
             .restart(target.seed, earliest);
         Ok(())
     }
+}
+
+/// Groups a satellite's sidebands: first the two to be coupled, of its lowest and its highest
+/// carrier (the stronger where a carrier has several), then the others one by one.
+fn coupled(mut sidebands: Vec<Sideband>) -> Vec<Vec<Sideband>> {
+    sidebands.sort_by(|a, b| {
+        let key = |s: &Sideband| (s.spec.carrier_hz, -s.spec.power_share);
+        key(a)
+            .partial_cmp(&key(b))
+            .unwrap_or(std::cmp::Ordering::Equal)
+    });
+    let highest = sidebands
+        .iter()
+        .map(|s| s.spec.carrier_hz)
+        .fold(0.0, f64::max);
+    let upper = sidebands
+        .iter()
+        .position(|s| s.spec.carrier_hz == highest)
+        .unwrap_or(0);
+    let mut groups = Vec::new();
+    if upper > 0 {
+        let upper = sidebands.remove(upper);
+        groups.push(vec![sidebands.remove(0), upper]);
+    }
+    groups.extend(sidebands.into_iter().map(|s| vec![s]));
+    groups
 }

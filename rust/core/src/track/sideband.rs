@@ -149,6 +149,7 @@ impl Sideband {
         self.code.rate = 0.0;
         self.cn0.forget_signal();
         self.pull_in_s = 0.0;
+        self.side_peaks = Default::default();
         self.enter(State::PullIn);
         self.steer(seed.doppler_hz, 0.0);
     }
@@ -192,10 +193,20 @@ impl Sideband {
         self.cn0.signal_power(interval_s).sqrt()
     }
 
-    /// Where the integration in progress will end, in samples.
-    pub fn expected_end(&self) -> f64 {
-        let left = self.length - self.position % self.length;
-        self.correlator.start() + left as f64 * SLICE_S * self.sample_rate_hz
+    /// A prompt without its symbol: by decision, unless its sign is known.
+    pub fn wiped(&self, prompt: C64) -> C64 {
+        if !self.signed && prompt.re < 0.0 {
+            -prompt
+        } else {
+            prompt
+        }
+    }
+
+    /// First sample of the integration in progress.
+    pub fn begins(&self) -> u64 {
+        self.partial
+            .as_ref()
+            .map_or(self.correlator.base(), |e| e.first)
     }
 
     /// Slices in a code period.
@@ -228,7 +239,8 @@ impl Sideband {
                 0.05,
             ),
             State::Tracking => {
-                let length = self.period().min(c.integration_ms);
+                // A code period: what synchronisation works on.
+                let length = self.period();
                 let pll = if length > 1 {
                     c.pll_bandwidth_hz
                 } else {
