@@ -201,11 +201,12 @@ def _is_whole_second(recording: Source, sample: int) -> bool:
 
 def _reacquire(tracker: _core.Tracker, recording: Source, sample: int, threads: int | None) -> None:
     """Search for the signals that are lost at this sample; those not found stay lost."""
-    for signal, prn, _doppler_hz in tracker.lost():
+    for signal, prn, doppler_hz in tracker.lost():
+        widest_hz = max(5000.0, abs(doppler_hz) + 500.0)
         try:
             found = acquire(
                 recording,
-                AcquisitionConfig(),
+                AcquisitionConfig(doppler_max_hz=widest_hz),
                 signals=[signal],
                 prns=[prn],
                 start_sample=sample,
