@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .acquisition import acquire
@@ -19,7 +20,6 @@ from .verdict import CLEAN, SPOOFED, detect
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-    from pathlib import Path
 
     from .config import Config
     from .progress import Stages
@@ -88,7 +88,7 @@ def process(
     recording: Recording,
     config: Config,
     *,
-    out: Path,
+    out: Path | str,
     signals: Sequence[str] | None = None,
     prns: Sequence[int] | None = None,
     threads: int | None = None,
@@ -104,6 +104,7 @@ def process(
         OutputError: an output exists and ``force`` is not set, or it cannot be written.
         SignalError: the recording cannot hold a signal asked for.
     """
+    out = Path(out)
     result_path, report_path = _outputs(out, ("result.h5", "report.html"), force=force)
     with _folder(out):
         found, log = _receive(recording, config, signals, prns, threads, stages)
@@ -190,7 +191,7 @@ def _folder(out: Path) -> Iterator[None]:
 def demo(
     config: Config,
     *,
-    out: Path,
+    out: Path | str,
     threads: int | None = None,
     force: bool = False,
     stages: Stages = silent,
@@ -200,6 +201,7 @@ def demo(
     Raises:
         OutputError: an output exists and ``force`` is not set, or it cannot be written.
     """
+    out = Path(out)
     names = ("demo.sigmf-data", "demo.sigmf-meta", "demo.truth.json", "result.h5", "report.html")
     _outputs(out, names, force=force)
     scenario = builtin_scenario("demo")

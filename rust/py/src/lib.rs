@@ -19,5 +19,9 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     synth::register(m)?;
     acquire::register(m)?;
     track::register(m)?;
+    // Load numpy's C interface here, where an error can be raised: loaded on first use, it would
+    // panic when Ctrl-C comes in between.
+    m.py().import("numpy")?;
+    numpy::PyArray1::<u8>::zeros(m.py(), 0, false);
     Ok(())
 }
