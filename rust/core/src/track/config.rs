@@ -1,5 +1,6 @@
 //! Settings of the tracking loops.
 
+use super::log::State;
 use crate::{Error, Result};
 
 /// Settings of the tracking loops; bandwidths are single-sided noise bandwidths.
@@ -44,7 +45,51 @@ impl Default for TrackConfig {
     }
 }
 
+/// What a sideband's loops are in a state.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Plan {
+    /// Integration in slices.
+    pub length: usize,
+    pub pll_order: usize,
+    pub pll_bandwidth_hz: f64,
+    pub dll_bandwidth_hz: f64,
+    pub lock_memory_s: f64,
+}
+
 impl TrackConfig {
+    /// The loops of a state, for a code period and a synchronised integration in slices.
+    pub(super) fn plan(&self, state: State, period: usize, synced: usize) -> Plan {
+        let pull_in = Plan {
+            length: 1,
+            pll_order: 2,
+            pll_bandwidth_hz: self.pull_in_pll_bandwidth_hz,
+            dll_bandwidth_hz: 2.0 * self.dll_bandwidth_hz,
+            lock_memory_s: 0.05,
+        };
+        let synced = Plan {
+            length: synced,
+            pll_order: 3,
+            pll_bandwidth_hz: self.pll_bandwidth_hz,
+            dll_bandwidth_hz: self.dll_bandwidth_hz,
+            lock_memory_s: 0.2,
+        };
+        match state {
+            State::Lost | State::PullIn => pull_in,
+            // A code period at a time: what synchronisation works on.
+            State::Tracking => Plan {
+                length: period,
+                pll_bandwidth_hz: if period > 1 {
+                    synced.pll_bandwidth_hz
+                } else {
+                    pull_in.pll_bandwidth_hz
+                },
+                dll_bandwidth_hz: pull_in.dll_bandwidth_hz,
+                ..synced
+            },
+            State::Synced | State::Combo => synced,
+        }
+    }
+
     /// Checks ranges.
     ///
     /// # Errors

@@ -229,39 +229,14 @@ impl Sideband {
         self.partial = None;
         self.frequency = FrequencyBlock::default();
         self.phase_loop = !matches!(state, State::Lost | State::PullIn);
-        let c = &self.config;
-        let (length, order, pll, dll, memory) = match state {
-            State::Lost | State::PullIn => (
-                1,
-                2,
-                c.pull_in_pll_bandwidth_hz,
-                2.0 * c.dll_bandwidth_hz,
-                0.05,
-            ),
-            State::Tracking => {
-                // A code period: what synchronisation works on.
-                let length = self.period();
-                let pll = if length > 1 {
-                    c.pll_bandwidth_hz
-                } else {
-                    c.pull_in_pll_bandwidth_hz
-                };
-                (length, 3, pll, 2.0 * c.dll_bandwidth_hz, 0.2)
-            }
-            State::Synced | State::Combo => (
-                self.synced_length(),
-                3,
-                c.pll_bandwidth_hz,
-                c.dll_bandwidth_hz,
-                0.2,
-            ),
-        };
-        self.length = length;
-        let interval = length as f64 * SLICE_S;
-        self.lock = Lock::new(memory);
+        let plan = self.config.plan(state, self.period(), self.synced_length());
+        self.length = plan.length;
+        let interval = plan.length as f64 * SLICE_S;
+        self.lock = Lock::new(plan.lock_memory_s);
         // A wide loop's acceleration is mostly noise: the narrow one starts without.
-        self.carrier = LoopFilter::new(order, pll, interval).starting(self.carrier.rate, 0.0);
-        self.code = LoopFilter::new(1, dll, interval);
+        self.carrier = LoopFilter::new(plan.pll_order, plan.pll_bandwidth_hz, interval)
+            .starting(self.carrier.rate, 0.0);
+        self.code = LoopFilter::new(1, plan.dll_bandwidth_hz, interval);
     }
 
     /// Sets both oscillators: carrier, and code aided by it.
