@@ -96,22 +96,21 @@ def track(
     for signal in sorted({a.signal for a in acquisitions if a.detected}):
         recording.check_signal(signal)
     tracker = _tracker(recording, targets, config, start, threads or os.cpu_count() or 1)
-    position, partial = start, False
+    rate = recording.format.sample_rate_hz
+    partial = False
     try:
         for begin, count in _blocks(recording, start, block_s):
-            if config.reacquire and position > start and _is_whole_second(recording, begin):
+            if config.reacquire and begin > start and _is_whole_second(recording, begin):
                 _reacquire(tracker, recording, begin, threads)
             tracker.feed(recording.read_raw(begin, count))
-            position = begin + count
             if progress:
-                rate = recording.format.sample_rate_hz
-                progress((position - start) / rate, (recording.sample_count - start) / rate)
+                progress((begin + count - start) / rate, (recording.sample_count - start) / rate)
     except KeyboardInterrupt:
         partial = True
     return TrackLog(
         recording=recording.path.name,
-        sample_rate_hz=recording.format.sample_rate_hz,
-        duration_s=(position - start) / recording.format.sample_rate_hz,
+        sample_rate_hz=rate,
+        duration_s=(tracker.position() - start) / rate,
         partial=partial,
         signals=tuple(SignalTrack(**rows) for rows in tracker.signals()),
         combos=tuple(ComboTrack(**rows) for rows in tracker.combos()),

@@ -322,4 +322,5 @@ def test_nothing_to_track_is_an_empty_log(recording):
     source, _ = recording
     log = track(source, [])
     assert log.signals == ()
+    assert log.duration_s == pytest.approx(2.2)
     assert not log.partial

@@ -92,6 +92,11 @@ impl Tracker {
         Ok(())
     }
 
+    /// Next sample to be fed.
+    fn position(&self) -> u64 {
+        self.0.position()
+    }
+
     /// Lost signals: (signal, prn, last Doppler in Hz).
     fn lost(&self) -> Vec<(String, u16, f64)> {
         self.0.lost()

@@ -68,6 +68,7 @@ pub struct Tracker {
     bands: Vec<PrefixBand>,
     channels: Vec<Channel>,
     samples: Vec<i16>,
+    position: u64,
 }
 
 impl Tracker {
@@ -105,6 +106,7 @@ impl Tracker {
             })
             .collect();
         let mut tracker = Tracker {
+            position: input.start,
             input,
             pool,
             carriers_hz,
@@ -156,6 +158,7 @@ impl Tracker {
             float_scale,
             ..
         } = self.input;
+        self.position += (bytes.len() * 8 / format.bits_per_sample()) as u64;
         let (samples, bands, channels) = (&mut self.samples, &mut self.bands, &mut self.channels);
         self.pool.install(|| {
             for chunk in bytes.chunks(CHUNK * format.bits_per_sample() / 8) {
@@ -176,7 +179,7 @@ impl Tracker {
 
     /// Next sample to be fed.
     pub fn position(&self) -> u64 {
-        self.bands.first().map_or(self.input.start, PrefixBand::end)
+        self.position
     }
 
     /// Signals that are lost now, with their last Doppler.
