@@ -5,18 +5,17 @@ from __future__ import annotations
 import json
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 
 import pytest
+from commands import REAL, SCRIPT
 
 from sdr_spoof.cli import main
 from sdr_spoof.info import inspect
 from sdr_spoof.sinks.hdf5 import read_result
 from sdr_spoof.sources import open_recording
 
-SCRIPT = Path(sys.executable).with_name("sdr-spoof")
 SCENARIO = """
 [recording]
 duration_s = {duration_s}
@@ -108,3 +107,26 @@ def test_process_while_it_searches(recording: Path, tmp_path: Path) -> None:
     text = interrupted("Acquiring", "process", recording, *slow, "-o", tmp_path / "out", percent=0)
     assert "interrupted" in text
     assert not (tmp_path / "out").exists()
+
+
+def test_acquire(tmp_path: Path) -> None:
+    """Ctrl-C during a search: exit 130, a message, no output."""
+    # Wide enough to last several seconds, in short steps.
+    slow = ["--acquisition-doppler-max-hz", "30000"]
+    command = [SCRIPT, "acquire", REAL, "--signals", "L1CA", *slow, "-o", tmp_path / "out"]
+    process = subprocess.Popen(
+        [*map(str, command), "--progress"],
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    assert process.stderr is not None
+    first = process.stderr.read(1)  # the progress bar: the search has begun
+    time.sleep(0.2)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert out == ""
+    assert "interrupted" in first + err
+    assert "Traceback" not in err
+    assert list(tmp_path.iterdir()) == []
