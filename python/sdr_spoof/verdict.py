@@ -76,7 +76,7 @@ def _judge(
 
 
 def _ended_early(log: TrackLog, series: StatisticSeries) -> tuple[str, ...]:
-    """A note where a band was lost for good: a strong attack with a carrier of its own does that."""
+    """A note where a band was lost for good, as by a strong attack with a carrier of its own."""
     used_s = series.trace_time_s[series.trace_segment >= 0]
     if used_s.size == 0 or used_s[-1] >= log.duration_s - series.window_s:
         return ()
