@@ -61,7 +61,7 @@ def _judge(
 ) -> SatelliteVerdict:
     alarms = tuple(a for s in series if (a := _alarm(log, s, config)) is not None)
     tested_s = max((s.tested_s() for s in series if s.time_s.size), default=0.0)
-    notes = "; ".join(note for s in series for note in s.notes)
+    notes = "; ".join(note for s in series for note in (*s.notes, *_ended_early(log, s)))
     if alarms:
         verdict, reason = SPOOFED, _spoofed_reason(alarms[0])
     elif tested_s >= config.min_tested_s:
@@ -73,6 +73,14 @@ def _judge(
     else:
         verdict, reason = NO_SUPPORT, _no_support_reason(log, system, prn, series, tested_s, config)
     return SatelliteVerdict(prn, verdict, alarms, f"{reason}; {notes}" if notes else reason, system)
+
+
+def _ended_early(log: TrackLog, series: StatisticSeries) -> tuple[str, ...]:
+    """A note where a band was lost for good, as by a strong attack with a carrier of its own."""
+    used_s = series.trace_time_s[series.trace_segment >= 0]
+    if used_s.size == 0 or used_s[-1] >= log.duration_s - series.window_s:
+        return ()
+    return (f"both bands were held together only until {used_s[-1]:.2f} of {log.duration_s:.2f} s",)
 
 
 def _alarm(log: TrackLog, series: StatisticSeries, config: DetectionConfig) -> Alarm | None:
@@ -101,12 +109,11 @@ def _combo(log: TrackLog, prn: int) -> ComboTrack | None:
 
 def _spoofed_reason(alarm: Alarm) -> str:
     if alarm.band:
-        band = f"the carrier of {_composite(alarm.band)} left"
+        what = f"the carrier of {_composite(alarm.band)} left its course at {alarm.onset_s:.2f} s"
     else:
-        band = "one carrier left the other;"
-    which = "its course" if alarm.band else "which band moved cannot be told"
+        what = f"one carrier left the other at {alarm.onset_s:.2f} s, which of them cannot be told"
     return (
-        f"{band} {which} at {alarm.onset_s:.2f} s; "
+        f"{what}; "
         f"difference rate {alarm.statistic:+.3f} {alarm.unit} against a threshold of "
         f"{alarm.threshold:.3f} {alarm.unit}"
     )

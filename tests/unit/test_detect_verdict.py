@@ -9,6 +9,7 @@ from sdr_spoof.decision.onset import change_point
 from sdr_spoof.detectors import DetectionConfig
 from sdr_spoof.detectors.phase_difference_rate import statistic
 from sdr_spoof.errors import ConfigError
+from sdr_spoof.records import State
 from sdr_spoof.verdict import detect
 
 
@@ -60,8 +61,9 @@ def test_common_motion_is_not_blamed_on_a_band():
         "phase_lower_cycles": combo.phase_lower_cycles + jerk,
         "phase_upper_cycles": combo.phase_upper_cycles + jerk * 1575.42 / 1561.098,
     }
-    alarm = only_alarm(detect(with_combo(combo, **shaken)))
-    assert alarm.band is None
+    verdict = detect(with_combo(combo, **shaken))
+    assert only_alarm(verdict).band is None
+    assert "left the other at 12.0" in verdict.satellites[0].reason
 
 
 def with_combo(combo, **changes):
@@ -80,6 +82,29 @@ def test_the_alarm_latches_after_the_drag_has_ended():
     quiet = series.time_s > 10.1
     assert np.all(np.abs(series.value[quiet]) < series.threshold(1e-6)[quiet])
     assert alarm.onset_s == pytest.approx(8.0, abs=0.06)
+
+
+@pytest.mark.parametrize("drag_hz", [0.5, -8.0])
+def test_a_difference_that_turned_all_along_began_no_later_than_its_piece(drag_hz):
+    # As after a reacquisition: 6 s to 8 s are lost, and the signal found again is the spoofer's.
+    combo = simulate_combo(Satellite())
+    changes = {
+        "phase_upper_cycles": combo.phase_upper_cycles + drag_hz * np.maximum(combo.time_s - 6, 0),
+        "state": np.where(abs(combo.time_s - 7.0) < 1.0, State.LOST, combo.state),
+    }
+    config = DetectionConfig()
+    alarm = only_alarm(detect(with_combo(combo, **changes), config))
+    assert alarm.onset_s == pytest.approx(8.0 + config.settle_s, abs=0.02)
+    assert alarm.alarm_s == pytest.approx(alarm.onset_s + config.window_s, abs=0.02)
+
+
+def test_a_band_that_is_lost_for_good_is_mentioned():
+    combo = simulate_combo(Satellite())
+    whole = detect(with_combo(combo)).satellites[0]
+    lost = with_combo(combo, state=np.where(combo.time_s > 9.0, State.LOST, combo.state))
+    (cut,) = detect(lost).satellites
+    assert "only until" not in whole.reason
+    assert "held together only until 9.00 of 20.00 s" in cut.reason
 
 
 def test_the_same_log_gives_the_same_verdict():

@@ -62,7 +62,7 @@ def make_result(*, partial: bool = False) -> Result:
             state=states,
             taps=taps,
         )
-        for signal, prn in (("B1CP", 19), ("B1I", 6), ("B1I", 19))
+        for signal, prn in (("B1I", 19), ("B1CP", 19), ("B1I", 6))
     )
     combo = filled(ComboTrack, n, prn=19, lower="B1I", upper="B1CP", state=states)
     alarm = Alarm(19, "phase_difference_rate", None, 5.25, 6.0, 1.5, 0.7, "Hz")

@@ -3,7 +3,9 @@
 Two models of the disturbance, after a line before it: a kink (a drag that begins in phase), or a
 new line after a jump (a capture with any phase). The noise is white and Gaussian, so the most
 likely change of either model minimises its sum of squared residuals; the jump has a parameter
-more and must earn it by the Bayesian information criterion.
+more and must earn it by the Bayesian information criterion. So must any change against none: where
+the difference turned all along, as after a signal was found again, the disturbance is older than
+the trace.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ def onset_time(series: StatisticSeries, row: int, lookback_s: float) -> float:
     """Most likely start of the deviation that raised the alarm at ``row``, in s.
 
     Searched from ``lookback_s`` before the alarm's window to the alarm, inside the alarm's
-    unbroken piece of tracking.
+    unbroken piece of tracking; its first row where the trace shows no change, only a slope.
     """
     alarm_s = float(series.time_s[row])
     start_s = alarm_s - series.window_s - lookback_s
@@ -36,12 +38,14 @@ def onset_time(series: StatisticSeries, row: int, lookback_s: float) -> float:
     if time.size < MIN_BEFORE + MIN_AFTER:
         return max(alarm_s - series.window_s, 0.0)
     change = change_point(time - time[0], trace - trace[0])
+    if change == 0:
+        return float(time[0])
     # The change lies between the last quiet epoch and the first disturbed one.
     return float(0.5 * (time[change - 1] + time[change]))
 
 
 def change_point(time_s: NDArray[np.float64], values: NDArray[np.float64]) -> int:
-    """First row after the most likely change, a kink or a jump; O(N)."""
+    """First row after the most likely change, a kink or a jump; 0 for none; O(N)."""
     candidates = np.arange(MIN_BEFORE, time_s.size - MIN_AFTER + 1)
     x = time_s / float(time_s[-1])
     before = _growing_rss(x, values, 2)
@@ -50,6 +54,10 @@ def change_point(time_s: NDArray[np.float64], values: NDArray[np.float64]) -> in
     kink = _kink_rss(x, values, candidates)
     price = float(jump.min()) / values.size * np.log(values.size)
     best = kink if float(kink.min()) < float(jump.min()) + price else jump
+    # A change has two parameters more than a line, its place and its size; the jump three.
+    spent = 2 if best is kink else 3
+    if float(before[-1]) < float(best.min()) + spent * price:
+        return 0
     return int(candidates[np.argmin(best)])
 
 

@@ -40,8 +40,9 @@ DETECTORS: dict[str, Detector] = {
             "whether the carriers of the satellite's two bands still move together",
             "a drag that moves the code but not the carrier; an attack on both bands that keeps "
             "their carriers coherent; a capture that was complete before the recording began, or "
-            "during a loss of lock; drags slower than the threshold; satellites received in one "
-            "band only",
+            "during a loss of lock; a spoofer whose carrier is several Hz off from the start, "
+            "which beats until lock is lost; drags slower than the threshold; satellites received "
+            "in one band only",
             phase_difference_rate.statistics,
         ),
     )

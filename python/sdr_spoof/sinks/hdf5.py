@@ -125,10 +125,11 @@ def _write_log(file: h5py.File, log: TrackLog) -> None:
     records.write_text(group, "recording", log.recording)
     for name in ("sample_rate_hz", "duration_s"):
         records.write_array(group, name, getattr(log, name))
-    tracks = file.create_group("tracks")
+    # In the order of the log, not of the names.
+    tracks = file.create_group("tracks", track_order=True)
     for track in log.signals:
         records.write_record(tracks.create_group(f"{track.signal}_{track.prn:03d}"), track)
-    combos = file.create_group("combos")
+    combos = file.create_group("combos", track_order=True)
     for combo in log.combos:
         records.write_record(combos.create_group(f"{combo.prn:03d}"), combo)
 
