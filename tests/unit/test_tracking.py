@@ -200,6 +200,18 @@ def test_the_pilot_synchronises_at_every_integration_time(integration_ms):
     assert t.integration_s[-1] == pytest.approx(integration_ms * 1e-3)
 
 
+def test_a_loop_half_way_between_two_signals_is_given_up():
+    # A spoofer 14 Hz beside a satellite of the same power: a Costas loop settles between them.
+    emitters = [
+        _core.Emitter("B1CP", 29, 45.0, delay_s=0.0712345, doppler_hz=d) for d in (500.0, 514.0)
+    ]
+    seed = seed_of(emitters[0], "B1CP", 29, doppler_error_hz=7.0)
+    config = TrackingConfig(reacquire=False)
+    t = track(Synthetic(emitters, 5.5), [seed], config, threads=2).signals[0]
+    assert t.doppler_hz[-1] == pytest.approx(507.0, abs=3.0)
+    assert t.state[-1] == State.LOST
+
+
 def test_silence_is_a_loss():
     emitter = _core.Emitter("B1CP", 29, 45.0, delay_s=0.0712345, doppler_hz=500.0)
 

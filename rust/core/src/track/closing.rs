@@ -26,6 +26,8 @@ const UNLOCKED: f64 = 0.2;
 const ABSENT: f64 = 0.3;
 /// Lock must have been judged for this long before it can be lost, s.
 const GRACE_S: f64 = 0.3;
+/// A secondary code must be found within this, s.
+const SYNC_S: f64 = 5.0;
 
 impl Sideband {
     /// Reads the carrier and code discriminators, without touching the loops.
@@ -144,12 +146,20 @@ impl Sideband {
             State::Lost => false,
             _ => {
                 self.in_state_s > GRACE_S
-                    && (self.lock.phase() < UNLOCKED || self.lock.presence() < ABSENT)
+                    && (self.lock.phase() < UNLOCKED
+                        || self.lock.presence() < ABSENT
+                        || self.never_synchronises())
             }
         };
         if lost {
             self.enter(State::Lost);
         }
+    }
+
+    /// A secondary code that is not found in time: the loop is not on the signal, but perhaps
+    /// half-way between two. (Plain symbols may stay without a change for long.)
+    fn never_synchronises(&self) -> bool {
+        self.state == State::Tracking && self.in_state_s > SYNC_S && self.has_overlay()
     }
 
     /// Moves on to the next state when its condition is met.

@@ -1,6 +1,7 @@
 //! Settings of the tracking loops.
 
 use super::log::State;
+use crate::dsp::replica::SLICE_S;
 use crate::{Error, Result};
 
 /// Settings of the tracking loops; bandwidths are single-sided noise bandwidths.
@@ -78,11 +79,10 @@ impl TrackConfig {
             // A code period at a time: what synchronisation works on.
             State::Tracking => Plan {
                 length: period,
-                pll_bandwidth_hz: if period > 1 {
-                    synced.pll_bandwidth_hz
-                } else {
-                    pull_in.pll_bandwidth_hz
-                },
+                // Wide, to catch an acceleration, within what the integration allows.
+                pll_bandwidth_hz: pull_in
+                    .pll_bandwidth_hz
+                    .min(0.25 / (period as f64 * SLICE_S)),
                 dll_bandwidth_hz: pull_in.dll_bandwidth_hz,
                 ..synced
             },

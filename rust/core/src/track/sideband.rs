@@ -209,6 +209,11 @@ impl Sideband {
             .map_or(self.correlator.base(), |e| e.first)
     }
 
+    /// Whether the signal has a secondary code.
+    pub(super) fn has_overlay(&self) -> bool {
+        !self.overlay.is_empty()
+    }
+
     /// Slices in a code period.
     pub(super) fn period(&self) -> usize {
         self.replica.slices_per_period()
@@ -229,13 +234,16 @@ impl Sideband {
         self.partial = None;
         self.frequency = FrequencyBlock::default();
         self.phase_loop = !matches!(state, State::Lost | State::PullIn);
+        let acceleration = match state {
+            State::Lost | State::PullIn => 0.0,
+            _ => self.carrier.acceleration,
+        };
         let plan = self.config.plan(state, self.period(), self.synced_length());
         self.length = plan.length;
         let interval = plan.length as f64 * SLICE_S;
         self.lock = Lock::new(plan.lock_memory_s);
-        // A wide loop's acceleration is mostly noise: the narrow one starts without.
         self.carrier = LoopFilter::new(plan.pll_order, plan.pll_bandwidth_hz, interval)
-            .starting(self.carrier.rate, 0.0);
+            .starting(self.carrier.rate, acceleration);
         self.code = LoopFilter::new(1, plan.dll_bandwidth_hz, interval);
     }
 
