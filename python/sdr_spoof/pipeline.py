@@ -8,14 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .acquisition import acquire
 from .errors import OutputError
 from .progress import silent
+from .receive import receive
 from .report import TruthMark, write_report
 from .scenario import builtin_scenario, synthesize, truth_path
 from .sinks.hdf5 import Result, write_result
 from .sources import open_recording
-from .tracking import track
 from .verdict import CLEAN, SPOOFED, detect
 
 if TYPE_CHECKING:
@@ -107,7 +106,7 @@ def process(
     out = Path(out)
     result_path, report_path = _outputs(out, ("result.h5", "report.html"), force=force)
     with _folder(out):
-        found, log = _receive(recording, config, signals, prns, threads, stages)
+        found, log = receive(recording, config, signals, prns, threads, stages)
         with stages("Reporting") as progress:
             verdict = detect(log, config.detection)
             result = Result.of(recording, config, acquisitions=found, log=log, verdict=verdict)
@@ -128,29 +127,6 @@ def process(
             if progress:
                 progress(4, 4)
     return Processed(recording, config, tuple(found), log, verdict, result_path, report_path)
-
-
-def _receive(
-    recording: Recording,
-    config: Config,
-    signals: Sequence[str] | None,
-    prns: Sequence[int] | None,
-    threads: int | None,
-    stages: Stages,
-) -> tuple[list[Acquisition], TrackLog]:
-    with stages("Acquiring") as progress:
-        found = acquire(
-            recording,
-            config.acquisition,
-            signals=signals,
-            prns=prns,
-            threads=threads,
-            progress=progress,
-        )
-    detected = [a for a in found if a.detected]
-    with stages("Tracking") as progress:
-        log = track(recording, detected, config.tracking, threads=threads, progress=progress)
-    return found, log
 
 
 def _outputs(out: Path, names: Sequence[str], *, force: bool) -> list[Path]:

@@ -91,7 +91,7 @@ def track(
     """
     config = config or TrackingConfig()
     start, targets = _targets(acquisitions)
-    if start * _core.sample_format(recording.format.sample_format)[0] % 8:
+    if start * recording.format.bits_per_sample % 8:
         raise ConfigError(f"sample {start} starts inside a byte; choose a multiple of 8")
     for signal in sorted({a.signal for a in acquisitions if a.detected}):
         recording.check_signal(signal)
@@ -166,9 +166,7 @@ def _holds_qmboc(recording: Source) -> bool:
     """Whether the recorded band reaches the BOC(6,1) lobes of the B1C pilot."""
     form = recording.format
     offset = abs(signal_spec("B1CP").carrier_hz - form.lo_hz)
-    is_complex = _core.sample_format(form.sample_format)[1]
-    low, high = (-0.5, 0.5) if is_complex else (0.0, 0.5)
-    low, high = low * form.sample_rate_hz, high * form.sample_rate_hz
+    low, high = (edge - form.lo_hz for edge in form.band_hz)
     if form.bandwidth_hz is not None:
         centre = 0.5 * (low + high)
         low, high = centre - 0.5 * form.bandwidth_hz, centre + 0.5 * form.bandwidth_hz

@@ -29,26 +29,20 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
-    from sdr_spoof.acquisition import acquire  # noqa: PLC0415
+    from sdr_spoof.receive import receive  # noqa: PLC0415
     from sdr_spoof.sinks.hdf5 import Result, write_result  # noqa: PLC0415
-    from sdr_spoof.tracking import track  # noqa: PLC0415
 
     settings = config.from_arguments(arguments)
     options.check_output(arguments.output, force=arguments.force)
     recording = options.recording_from(arguments)
-    threads = arguments.threads
-    with ui.stages("Acquiring") as progress:
-        found = acquire(
-            recording,
-            settings.acquisition,
-            signals=options.signals_from(arguments, recording),
-            prns=options.prns_from(arguments),
-            threads=threads,
-            progress=progress,
-        )
-    detected = [a for a in found if a.detected]
-    with ui.stages("Tracking") as progress:
-        log = track(recording, detected, settings.tracking, threads=threads, progress=progress)
+    found, log = receive(
+        recording,
+        settings,
+        options.signals_from(arguments, recording),
+        options.prns_from(arguments),
+        arguments.threads,
+        ui.stages,
+    )
     if arguments.output is not None:
         result = Result.of(recording, settings, acquisitions=found, log=log)
         write_result(arguments.output, result, force=arguments.force)

@@ -137,11 +137,6 @@ impl Correlator {
         self.base
     }
 
-    /// Index of the present slice in the code period.
-    pub fn index(&self) -> usize {
-        self.index
-    }
-
     /// Works off what the band holds; gives the slice once it is complete, and stands then at
     /// the start of the next.
     pub fn advance(&mut self, band: &PrefixBand) -> Option<Slice> {

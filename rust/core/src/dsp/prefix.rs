@@ -34,7 +34,6 @@ pub struct PrefixBand {
     ring: Vec<[i64; 2]>,
     mask: usize,
     sum: [i64; 2],
-    begin: u64,
     end: u64,
 }
 
@@ -50,14 +49,8 @@ impl PrefixBand {
             ring: vec![[0; 2]; length],
             mask: length - 1,
             sum: [0; 2],
-            begin: start,
             end: start,
         }
-    }
-
-    /// First sample ever absorbed.
-    pub fn begin(&self) -> u64 {
-        self.begin
     }
 
     /// One past the last sample absorbed: prefix values up to this index exist.

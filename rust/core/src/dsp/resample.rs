@@ -83,11 +83,6 @@ impl Resampler {
         })
     }
 
-    /// Input samples before and after an output instant that it depends on.
-    pub fn margin(&self) -> usize {
-        self.half
-    }
-
     /// `count` outputs, the first at input instant `first`; missing input counts as zero.
     pub fn run(&self, raw: RawSamples<'_>, first: f64, count: usize) -> Vec<Complex32> {
         let mut out = vec![Complex32::default(); count];

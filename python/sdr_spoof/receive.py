@@ -1,0 +1,40 @@
+"""From a recording to tracks: what ``track`` and ``process`` have in common."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from .acquisition import acquire
+from .tracking import track
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from .config import Config
+    from .progress import Stages
+    from .records import Acquisition, TrackLog
+    from .sources import Recording
+
+
+def receive(
+    recording: Recording,
+    config: Config,
+    signals: Sequence[str] | None,
+    prns: Sequence[int] | None,
+    threads: int | None,
+    stages: Stages,
+) -> tuple[list[Acquisition], TrackLog]:
+    """Acquire, and track what was detected; what comes before detection."""
+    with stages("Acquiring") as progress:
+        found = acquire(
+            recording,
+            config.acquisition,
+            signals=signals,
+            prns=prns,
+            threads=threads,
+            progress=progress,
+        )
+    detected = [a for a in found if a.detected]
+    with stages("Tracking") as progress:
+        log = track(recording, detected, config.tracking, threads=threads, progress=progress)
+    return found, log
