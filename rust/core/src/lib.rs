@@ -12,6 +12,7 @@ pub mod error;
 pub mod nco;
 pub mod sample;
 pub mod signal;
+pub mod simd;
 pub mod synth;
 pub mod track;
 
