@@ -180,7 +180,7 @@ impl Correlator {
             if edges[count] > available {
                 break;
             }
-            let sign = if from % 2 == 0 {
+            let sign = if from.is_multiple_of(2) {
                 runs.first
             } else {
                 -runs.first

@@ -31,7 +31,7 @@ impl ReferenceReplica {
             .iter()
             .map(|layer| {
                 let sub = ((chips - whole) * layer.subchips as f64) as usize;
-                C64::new(layer.re, layer.im) * if sub % 2 == 0 { chip } else { -chip }
+                C64::new(layer.re, layer.im) * if sub.is_multiple_of(2) { chip } else { -chip }
             })
             .sum()
     }

@@ -74,7 +74,14 @@ impl Replica {
 
 impl Runs {
     fn new(chips: &[i8], subchips: usize) -> Self {
-        let sign = |k: usize| chips[k / subchips] * if k % subchips % 2 == 0 { 1 } else { -1 };
+        let sign = |k: usize| {
+            chips[k / subchips]
+                * if (k % subchips).is_multiple_of(2) {
+                    1
+                } else {
+                    -1
+                }
+        };
         let total = chips.len() * subchips;
         let mut edges = vec![0];
         edges.extend(

@@ -119,7 +119,7 @@ impl Synthesizer {
     /// [`Error::Invalid`] if the range does not start and end on whole bytes.
     pub fn generate(&self, start: u64, count: usize) -> Result<Vec<u8>> {
         let bits = self.config.format.bits_per_sample();
-        let whole = |n: u64| n % 8 == 0 || n * bits as u64 % 8 == 0;
+        let whole = |n: u64| n.is_multiple_of(8) || (n * bits as u64).is_multiple_of(8);
         if start > 1 << 48 || count > 1 << 31 || !whole(start) || !whole(count as u64) {
             return Err(Error::Invalid(format!(
                 "cannot generate {count} samples of {bits} bits from sample {start}: \

@@ -224,7 +224,7 @@ impl Sideband {
         let symbol = self.symbol.unwrap_or(self.overlay.len()) * self.period();
         (1..=self.config.integration_ms)
             .rev()
-            .find(|n| symbol % n == 0)
+            .find(|n| symbol.is_multiple_of(*n))
             .unwrap_or(1)
     }
 
@@ -284,7 +284,7 @@ impl Sideband {
             epoch.samples += slice.samples;
             self.chips += self.replica.chips_per_slice();
             self.position += 1;
-            if self.position % self.length == 0 {
+            if self.position.is_multiple_of(self.length) {
                 // One that started half-way is of no use to the loops.
                 if let Some(mut e) = self.partial.take().filter(|e| e.slices == self.length) {
                     let half = 0.5 * (e.samples as f64 - 1.0);

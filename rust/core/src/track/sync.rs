@@ -44,7 +44,7 @@ impl SymbolSync {
         }
         self.previous = Some(prompt);
         self.count += 1;
-        (self.count % n == 0 && self.count >= 3 * n)
+        (self.count.is_multiple_of(n) && self.count >= 3 * n)
             .then(|| self.decide())
             .flatten()
     }
@@ -105,7 +105,7 @@ impl SecondarySync {
         }
         self.inphase.push(prompt.re);
         let count = self.inphase.len();
-        (count >= 50 && count % 10 == 0)
+        (count >= 50 && count.is_multiple_of(10))
             .then(|| self.decide())
             .flatten()
     }
