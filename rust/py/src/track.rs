@@ -47,6 +47,7 @@ fn config(values: &Bound<'_, PyDict>) -> PyResult<TrackConfig> {
         cn0_min_dbhz: get(values, "cn0_min_dbhz")?,
         qmboc: get(values, "qmboc")?,
         combo: get(values, "combo")?,
+        data_component: get(values, "data_component")?,
     })
 }
 
@@ -121,7 +122,7 @@ impl Tracker {
     /// Rows recorded so far: one dict per satellite with two sidebands.
     fn combos<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         let list = PyList::empty(py);
-        for channel in self.0.channels().iter().filter(|c| c.sidebands.len() == 2) {
+        for channel in self.0.channels().filter(|c| c.sidebands.len() == 2) {
             list.append(combo_rows(py, channel)?)?;
         }
         Ok(list)
@@ -156,6 +157,7 @@ fn signal_rows<'py>(py: Python<'py>, prn: u16, s: &Sideband) -> PyResult<Bound<'
     let taps = Array2::from_shape_vec((rows.time_s.len(), offsets.len()), taps)
         .map_err(|e| pyo3::exceptions::PyRuntimeError::new_err(e.to_string()))?;
     d.set_item("taps", taps.into_pyarray(py))?;
+    d.set_item("data_prompt", array(py, &rows.data_prompt))?;
     d.set_item("tap_offsets_s", offsets.into_pyarray(py))?;
     Ok(d)
 }

@@ -230,6 +230,10 @@ impl Sideband {
         rows.code_error_chips.push(measured.code_error_chips);
         rows.cn0_dbhz.push(self.cn0.dbhz());
         rows.phase_lock.push(self.lock.phase());
+        if self.config.data_component {
+            let Complex { re, im } = epoch.companion;
+            rows.data_prompt.push(Complex::new(re as f32, im as f32));
+        }
         rows.taps.extend(
             epoch
                 .taps
