@@ -23,6 +23,10 @@ pub enum Samples<'a> {
 /// runs stay within 32 bits.
 pub(crate) const SHIFT_16: u32 = 3;
 
+/// Where sums begin: only differences mean anything, and I in the middle of its range spares the
+/// portable front end the wrap.
+const ORIGIN: Sum = [i32::MIN, 0];
+
 /// How a band's samples are to be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Layout {
@@ -140,7 +144,7 @@ impl Band {
             step: 0,
         };
         let mut ring = Ring::new(history);
-        ring.store(start, [0; 2]);
+        ring.store(start, ORIGIN);
         Band {
             level,
             layout,
@@ -148,7 +152,7 @@ impl Band {
             oscillator: Oscillator::new(nominal, 0, 0),
             detunings: [detuning; 2],
             ring,
-            sum: [0; 2],
+            sum: ORIGIN,
             end: start,
             gain: f64::from(AMPLITUDE),
         }

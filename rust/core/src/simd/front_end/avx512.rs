@@ -170,7 +170,7 @@ impl Carry {
 #[target_feature(enable = "avx512f")]
 fn real_places(oscillator: &Oscillator, half: usize) -> [__m512i; 2] {
     let place = |byte: usize| oscillator.places[8 * group(byte / 4) + 4 * half + byte % 4];
-    [words(&place), words(|k| place(32 + k))]
+    [words(place), words(|k| place(32 + k))]
 }
 
 /// # Safety

@@ -104,6 +104,10 @@ mod tests {
     use super::*;
     use crate::dsp::ring::Ring;
 
+    fn lanes([re, im]: &mut Sums) -> impl Iterator<Item = (usize, (&mut i64, &mut i64))> {
+        re.iter_mut().zip(im).enumerate()
+    }
+
     /// By the definition: every run by itself, every tap by itself.
     fn slow(runs: &Runs<'_>, taps: &[i64], sums: &mut [Sums]) -> usize {
         let mut done = 0;
@@ -116,7 +120,7 @@ mod tests {
                 let last = first + runs.runs_per_turn;
                 let [c, s] = runs.turn(&TURN, runs.position(first), runs.position(last));
                 for (tap, sums) in taps.iter().zip(&mut *sums) {
-                    for lane in 0..LANES {
+                    for (lane, (re, im)) in lanes(sums) {
                         let at = |edge: usize| {
                             let k = runs.base.wrapping_add(runs.position(edge));
                             let k = k.wrapping_add_signed(tap + (lane * LANES) as i64);
@@ -136,8 +140,8 @@ mod tests {
                         }
                         let [i, q] = total.map(i64::from);
                         let (c, s) = (i64::from(c), i64::from(s));
-                        sums[0][lane] += i * c + q * s;
-                        sums[1][lane] += q * c - i * s;
+                        *re += i * c + q * s;
+                        *im += q * c - i * s;
                     }
                 }
             }
