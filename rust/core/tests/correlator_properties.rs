@@ -95,10 +95,13 @@ impl Case {
     }
 
     /// Rms phase error of the fast correlator in radians, by design: the oscillator's 128 cells,
-    /// and the turning of the Doppler within a group of 4 us.
+    /// dithered, and the turning of the Doppler within a group of runs, whose length is chosen so
+    /// that it loses 0.025 dB at most (half the square of the phase).
     fn design_error(&self) -> f64 {
-        let uniform = |width: f64| std::f64::consts::TAU * width / 12f64.sqrt();
-        uniform(1.0 / 128.0).hypot(uniform(self.doppler_hz * 4e-6))
+        let oscillator = std::f64::consts::TAU / 128.0 / 6f64.sqrt();
+        let turning = std::f64::consts::TAU * self.doppler_hz * 20e-6 / 12f64.sqrt();
+        let most = (2.0 * 0.025 / (20.0 * std::f64::consts::LOG10_E)).sqrt();
+        oscillator.hypot(turning.abs().min(most))
     }
 
     fn start(&self) -> f64 {
