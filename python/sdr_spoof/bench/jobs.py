@@ -13,15 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sdr_spoof import _core
-from sdr_spoof.acquisition import AcquisitionConfig, acquire
-from sdr_spoof.config import load_config
 from sdr_spoof.errors import SdrSpoofError
 from sdr_spoof.records import State
 from sdr_spoof.scenario import open_synthesizer
-from sdr_spoof.sinks.hdf5 import Result, write_result
 from sdr_spoof.sources import open_recording
-from sdr_spoof.studies.tracking import seeds
-from sdr_spoof.tracking import track
 
 from .workloads import RATES, Channel, Rate, b1i, channels, scenario, shared_out, taps, tracked
 
@@ -73,6 +68,11 @@ def seconds(action: Callable[[], object]) -> float:
 
 def receiver(job: Job, folder: Path) -> Action:
     """What ``sdr-spoof track`` does once it has acquired: file to result file, loops and all."""
+    from sdr_spoof.config import load_config  # noqa: PLC0415 - scipy is slow to import
+    from sdr_spoof.sinks.hdf5 import Result, write_result  # noqa: PLC0415
+    from sdr_spoof.studies.tracking import seeds  # noqa: PLC0415
+    from sdr_spoof.tracking import track  # noqa: PLC0415
+
     recording = open_recording(job.recording)
     whole = job.workload == "W2"
     config = load_config()
@@ -111,6 +111,8 @@ def channel(job: Job, folder: Path) -> Action:
 
 def acquisition(job: Job, folder: Path) -> Action:
     """The search of the recording's first samples for all PRNs of a signal."""
+    from sdr_spoof.acquisition import AcquisitionConfig, acquire  # noqa: PLC0415
+
     recording = open_recording(job.recording)
     signals = SEARCHES[job.workload]
     work = partial(acquire, recording, AcquisitionConfig(), signals=signals, threads=job.threads)
