@@ -136,10 +136,19 @@ STAGES = {
 
 
 def running(
-    rate: Rate, groups: Sequence[Sequence[Channel]], offsets: Sequence[int], signal_s: float
+    rate: Rate,
+    groups: Sequence[Sequence[Channel]],
+    offsets: Sequence[int],
+    signal_s: float,
+    bands: Sequence[float] = (),
 ) -> Action:
-    """An engine with these channels in each thread, all of them under way."""
-    made = _core.EngineBench(rate.sample_format, rate.sample_rate_hz, rate.lo_hz, groups, offsets)
+    """An engine with these channels in each thread, all of them under way.
+
+    Bands (carriers in Hz) are mixed in each thread, with or without channels.
+    """
+    made = _core.EngineBench(
+        rate.sample_format, rate.sample_rate_hz, rate.lo_hz, groups, offsets, bands=bands
+    )
     samples = _noise(rate)
     made.feed(samples, 1)
     return partial(seconds, partial(made.feed, samples, round(signal_s / _FED_S)))
