@@ -8,6 +8,8 @@ import matplotlib as mpl
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
+from .speed import CLOSE
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
@@ -42,10 +44,11 @@ def draw(path: Path, costs: Sequence[Cost], *, cores: int) -> None:
             _lines(axes, [c for c in costs if c.against == against])
         by_rate.set(
             title="Front end, and one channel more (5 taps)",
-            xlabel="sample rate, Msps (complex int8)",
+            xlabel="sample rate, Msps (taps: solid 8 samples, dashed 67 ns apart)",
         )
         _log(by_rate, [c for c in costs if c.against == "msps"])
         by_channels.set(title="One band, real int8 at 120 Msps, 5 taps", xlabel="channels")
+        by_taps.legend(frameon=False, loc="upper left")
         by_taps.set(title="One B1I channel more, 120 Msps", xlabel="taps")
         by_threads.set(title=f"24 channels, 120 Msps, {cores} cores", xlabel="threads")
         for axes in (by_rate, by_channels, by_taps):
@@ -63,7 +66,16 @@ def draw(path: Path, costs: Sequence[Cost], *, cores: int) -> None:
 def _lines(axes: Axes, costs: Sequence[Cost]) -> None:
     for what in dict.fromkeys(c.what for c in costs):
         points = [(c.value, c.us_per_ms) for c in costs if c.what == what]
-        axes.plot(*zip(*points, strict=True), "o-", color=COLOURS[what], label=what, markersize=4)
+        kind = what.removesuffix(CLOSE)
+        close = kind != what
+        axes.plot(
+            *zip(*points, strict=True),
+            linestyle="--" if close else "-",
+            marker="o",
+            markersize=4,
+            color=COLOURS[kind],
+            label=None if close else what,
+        )
     axes.legend(frameon=False)
 
 
