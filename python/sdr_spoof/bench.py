@@ -191,7 +191,7 @@ def _tracker(recording: LiveRecording, found: list[Acquisition], threads: int) -
 
 
 def _synchronised(tracker: _core.Tracker) -> bool:
-    states = [rows["state"] for rows in tracker.signals()]
+    states = [rows["state"] for rows in tracker.take_signals()]
     return all(len(s) > 0 and s[-1] >= State.SYNCED for s in states)
 
 

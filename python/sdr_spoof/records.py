@@ -6,11 +6,13 @@ carrier phase grows as range grows (RINEX sense), Doppler is positive when appro
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from enum import IntEnum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar, Self
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     import numpy as np
     from numpy.typing import NDArray
 
@@ -47,9 +49,49 @@ class State(IntEnum):
     """Tracked jointly with the other sideband of the satellite."""
 
 
+PART_EPOCHS = 1 << 15
+"""Epochs worked on at a time where a whole track would be too much: 4 MB of a signal's rows."""
+
+
 @dataclass(frozen=True)
-class SignalTrack:
-    """Epochs of one signal of one satellite. All arrays have N rows; times are mid-epoch."""
+class Track:
+    """What the tracks have in common: columns of N rows, one row per epoch, times mid-epoch.
+
+    A track whose rows are on disk (:mod:`sdr_spoof.row_store`) reads a column each time that it is
+    asked for it: take it once, or :meth:`in_memory` where most are needed.
+    """
+
+    NOT_COLUMNS: ClassVar[frozenset[str]] = frozenset()
+    """Fields that do not have one value per epoch."""
+
+    @classmethod
+    def columns(cls) -> list[str]:
+        """Names of the fields that have one row per epoch."""
+        return [f.name for f in fields(cls) if f.name not in cls.NOT_COLUMNS]
+
+    @property
+    def epochs(self) -> int:
+        """Number of rows."""
+        return len(getattr(self, self.columns()[0]))
+
+    def part(self, start: int, stop: int) -> Self:
+        """Epochs ``start`` to ``stop``, in memory."""
+        return replace(self, **{name: getattr(self, name)[start:stop] for name in self.columns()})
+
+    def parts(self, epochs: int = PART_EPOCHS) -> Iterator[Self]:
+        """Split the whole track in parts of so many epochs, each in memory."""
+        return (self.part(at, at + epochs) for at in range(0, self.epochs, epochs))
+
+    def in_memory(self) -> Self:
+        """Read the whole track."""
+        return self
+
+
+@dataclass(frozen=True)
+class SignalTrack(Track):
+    """Epochs of one signal of one satellite."""
+
+    NOT_COLUMNS = frozenset({"signal", "prn", "modulation", "tap_offsets_s", "prompt_tap"})
 
     signal: str
     prn: int
@@ -79,8 +121,10 @@ class SignalTrack:
 
 
 @dataclass(frozen=True)
-class ComboTrack:
+class ComboTrack(Track):
     """Joint epochs of the two sidebands of a satellite; rows belong to the same transmit time."""
+
+    NOT_COLUMNS = frozenset({"prn", "lower", "upper"})
 
     prn: int
     lower: str

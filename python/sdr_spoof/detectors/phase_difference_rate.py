@@ -13,6 +13,7 @@ uses the wider law of the published loop model instead, see :mod:`.combo_model`.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,11 +44,13 @@ class Difference:
     slips: int
 
 
-def statistics(log: TrackLog, config: DetectionConfig) -> list[StatisticSeries]:
+def statistics(log: TrackLog, config: DetectionConfig) -> Iterator[StatisticSeries]:
     """The statistic of every satellite that is tracked in both bands."""
-    return [
-        statistic(track, config, present(log, track, config.min_cn0_dbhz)) for track in log.combos
-    ]
+    return (_statistic_in(log, track.in_memory(), config) for track in log.combos)
+
+
+def _statistic_in(log: TrackLog, track: ComboTrack, config: DetectionConfig) -> StatisticSeries:
+    return statistic(track, config, present(log, track, config.min_cn0_dbhz))
 
 
 def statistic(

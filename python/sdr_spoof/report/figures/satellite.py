@@ -54,9 +54,8 @@ def _line(
     colour: str,
     name: str,
 ) -> None:
-    step = max(time.size // 4000, 1)
-    shown = np.where(held, values, np.nan)
-    axes.plot(time[::step], shown[::step], color=colour, linewidth=0.9, label=name, alpha=0.9)
+    shown = style.thinned(time, np.where(held, values, np.nan))
+    axes.plot(*shown, color=colour, linewidth=0.9, label=name, alpha=0.9)
 
 
 def _reference_course(tracks: Sequence[SignalTrack], until_s: float) -> NDArray[np.float64]:
@@ -88,10 +87,18 @@ def code_minus_carrier_m(track: SignalTrack, held: NDArray[np.bool_]) -> NDArray
 
 
 def correlation_shape(track: SignalTrack, part: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Mean taps in phase with the prompt, relative to the mean prompt, shape (taps,)."""
-    taps = track.taps[part].astype(np.complex128)
-    prompt = taps[:, track.prompt_tap]
-    turned = (taps * np.conj(prompt / np.maximum(np.abs(prompt), 1e-30))[:, None]).real.mean(axis=0)
+    """Mean taps in phase with the prompt, relative to the mean prompt, shape (taps,).
+
+    Of the epochs in ``part``, shape (epochs,).
+    """
+    turned = np.zeros(track.tap_offsets_s.size)
+    at = 0
+    for piece in track.parts():
+        taps = piece.taps[part[at : at + piece.epochs]].astype(np.complex128)
+        prompt = taps[:, track.prompt_tap]
+        phasor = np.conj(prompt / np.maximum(np.abs(prompt), 1e-30))
+        turned += (taps * phasor[:, None]).real.sum(axis=0)
+        at += piece.epochs
     return np.asarray(turned / max(float(turned[track.prompt_tap]), 1e-30))
 
 

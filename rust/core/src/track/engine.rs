@@ -172,9 +172,9 @@ impl Tracker {
         });
     }
 
-    /// All satellites with what they recorded.
-    pub fn channels(&self) -> &[Channel] {
-        &self.channels
+    /// All satellites with what they recorded; the rows may be taken out.
+    pub fn channels_mut(&mut self) -> &mut [Channel] {
+        &mut self.channels
     }
 
     /// Next sample to be fed.

@@ -45,6 +45,13 @@ pub struct SignalRows {
     pub taps: Vec<Complex<f32>>,
 }
 
+impl SignalRows {
+    /// Hands out what was recorded since the last call.
+    pub fn take(&mut self) -> Self {
+        std::mem::take(self)
+    }
+}
+
 /// Rows of a satellite's pair of sidebands.
 #[derive(Debug, Default, Clone)]
 pub struct ComboRows {
@@ -66,4 +73,11 @@ pub struct ComboRows {
     pub code_difference_s: Vec<f64>,
     /// Subcarrier-lock indicator.
     pub subcarrier_lock: Vec<f64>,
+}
+
+impl ComboRows {
+    /// Hands out what was recorded since the last call.
+    pub fn take(&mut self) -> Self {
+        std::mem::take(self)
+    }
 }
