@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 
 from sdr_spoof.detectors import DetectionConfig
 from sdr_spoof.errors import OutputError
@@ -19,7 +19,7 @@ from sdr_spoof.report.figures.satellite import draw_satellite
 from sdr_spoof.report.figures.signals import draw_acquisition, draw_cn0
 from sdr_spoof.report.figures.spectrum import draw_spectrum
 from sdr_spoof.report.spectrum import RecordingLike, estimate_spectrum
-from sdr_spoof.sinks.atomic import write_bytes
+from sdr_spoof.sinks.atomic import replacing
 from sdr_spoof.verdict import NO_SUPPORT, SPOOFED, statistics, system_of
 
 MARKS = {SPOOFED: "✖", "clean": "✔", NO_SUPPORT: "–"}
@@ -49,37 +49,6 @@ def write_report(
     path = Path(path)
     if path.exists() and not force:
         raise OutputError(f"{path}: exists already; add --force to replace it")
-    html = render_report(
-        recording=recording,
-        acquisitions=acquisitions,
-        log=log,
-        verdict=verdict,
-        detection=detection,
-        effective_config=effective_config,
-        truth=truth,
-    )
-    write_bytes(path, html.encode("utf-8"), force=force)
-    return path
-
-
-def render_report(
-    *,
-    recording: RecordingLike | None,
-    acquisitions: Sequence[Acquisition],
-    log: TrackLog,
-    verdict: Verdict,
-    detection: DetectionConfig,
-    effective_config: Mapping[str, object] | None,
-    truth: TruthMark | None,
-) -> str:
-    """The report as one HTML string."""
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent / "templates"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     ordered = words.ordered(verdict)
     tests = _draw_tests(log, ordered, detection, truth)
     hit = [(s.system, s.prn) for s in ordered if s.verdict == SPOOFED]
@@ -87,7 +56,7 @@ def render_report(
         dict.fromkeys([t.signal for t in log.signals] or [a.signal for a in acquisitions])
     )
     spectrum = estimate_spectrum(recording) if recording is not None else None
-    return environment.get_template("report.html.j2").render(
+    content = _template().stream(
         words=words,
         verdict=verdict,
         level=words.level(verdict),
@@ -110,6 +79,20 @@ def render_report(
         versions=[(name, version(name)) for name in LIBRARIES]
         + [("Python", platform.python_version())],
     )
+    with replacing(path, force=force) as temporary:
+        content.dump(str(temporary), encoding="utf-8")  # never in one string: it has megabytes
+    return path
+
+
+def _template() -> Template:
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent / "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template("report.html.j2")
 
 
 @dataclass

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import gc
 import io
 from typing import TYPE_CHECKING
 
@@ -69,6 +70,8 @@ def render(draw: Callable[[Figure], None], width_in: float, height_in: float) ->
         draw(figure)
         buffer = io.BytesIO()
         figure.savefig(buffer, format="png", metadata={"Software": None})
+    del figure
+    gc.collect(1)  # figures refer to themselves; left to themselves, dozens of them pile up
     return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode("ascii")
 
 
