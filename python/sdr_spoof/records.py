@@ -6,14 +6,16 @@ carrier phase grows as range grows (RINEX sense), Doppler is positive when appro
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from dataclasses import dataclass, fields, replace
 from enum import IntEnum
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    import numpy as np
     from numpy.typing import NDArray
 
 
@@ -64,6 +66,10 @@ class Track:
     NOT_COLUMNS: ClassVar[frozenset[str]] = frozenset()
     """Fields that do not have one value per epoch."""
 
+    if TYPE_CHECKING:
+        time_s: NDArray[np.float64]
+        integration_s: NDArray[np.float64]
+
     @classmethod
     def columns(cls) -> list[str]:
         """Names of the fields that have one row per epoch."""
@@ -85,6 +91,27 @@ class Track:
     def in_memory(self) -> Self:
         """Read the whole track."""
         return self
+
+    def between(self, start_s: float, stop_s: float) -> Self:
+        """Epochs whose time lies in [start_s, stop_s], in memory."""
+
+        def time_s(row: int) -> float:
+            return float(self.part(row, row + 1).time_s[0])
+
+        rows = range(self.epochs)
+        first = bisect_left(rows, start_s, key=time_s)
+        return self.part(first, bisect_right(rows, stop_s, key=time_s))
+
+    def sampled(self, most: int) -> Self:
+        """Every n-th epoch of the track, no more than ``most`` in all, in memory."""
+        step = -(-self.epochs // most)
+        if step <= 1:
+            return self.in_memory()
+        kept: dict[str, list[NDArray[Any]]] = {name: [] for name in self.columns()}
+        for part in self.parts(step * max(1, PART_EPOCHS // step)):
+            for name, values in kept.items():
+                values.append(getattr(part, name)[::step].copy())
+        return replace(self.part(0, 0), **{n: np.concatenate(v) for n, v in kept.items()})
 
 
 @dataclass(frozen=True)

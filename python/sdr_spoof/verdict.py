@@ -7,6 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
+import numpy as np
+
 from sdr_spoof import _core, decision, detectors
 from sdr_spoof.detectors import DetectionConfig, StatisticSeries
 from sdr_spoof.detectors.band_attribution import disturbed_band
@@ -63,29 +65,43 @@ def limits(config: DetectionConfig) -> str:
 
 @dataclass(frozen=True)
 class _Examined:
-    """What one detector found of one satellite."""
+    """What one series says of a satellite."""
 
+    detector: str
     alarm: Alarm | None
     tests: int
     tested_s: float
+    start_s: float
+    held_until_s: float
+    """Until when both bands were held; -inf for never."""
+    window_s: float
     notes: tuple[str, ...]
 
 
 def _examine(log: TrackLog, series: StatisticSeries, config: DetectionConfig) -> _Examined:
     return _Examined(
+        detector=series.detector,
         alarm=_alarm(log, series, config),
         tests=series.time_s.size,
         tested_s=series.tested_s(),
-        notes=(*series.notes, *_ended_early(log, series)),
+        start_s=float(np.min(series.trace_time_s, initial=np.inf)),
+        held_until_s=float(np.max(series.trace_time_s[series.trace_segment >= 0], initial=-np.inf)),
+        window_s=series.window_s,
+        notes=series.notes,
     )
 
 
 def _judge(
     log: TrackLog, system: str, prn: int, examined: Sequence[_Examined], config: DetectionConfig
 ) -> SatelliteVerdict:
-    alarms = tuple(e.alarm for e in examined if e.alarm is not None)
-    tested_s = max((e.tested_s for e in examined), default=0.0)
-    notes = "; ".join(note for e in examined for note in e.notes)
+    by_detector: dict[str, list[_Examined]] = defaultdict(list)
+    for e in examined:
+        by_detector[e.detector].append(e)
+    # The first alarm of a detector stays.
+    found = (next((e.alarm for e in es if e.alarm), None) for es in by_detector.values())
+    alarms = tuple(alarm for alarm in found if alarm is not None)
+    tested_s = max((sum(e.tested_s for e in es) for es in by_detector.values()), default=0.0)
+    notes = "; ".join(note for es in by_detector.values() for note in _notes(log, es))
     if alarms:
         verdict, reason = SPOOFED, _spoofed_reason(alarms[0])
     elif tested_s >= config.min_tested_s:
@@ -102,12 +118,15 @@ def _judge(
     return SatelliteVerdict(prn, verdict, alarms, f"{reason}; {notes}" if notes else reason, system)
 
 
-def _ended_early(log: TrackLog, series: StatisticSeries) -> tuple[str, ...]:
-    """A note where a band was lost for good, as by a strong attack with a carrier of its own."""
-    used_s = series.trace_time_s[series.trace_segment >= 0]
-    if used_s.size == 0 or used_s[-1] >= log.duration_s - series.window_s:
-        return ()
-    return (f"both bands were held together only until {used_s[-1]:.2f} of {log.duration_s:.2f} s",)
+def _notes(log: TrackLog, examined: Sequence[_Examined]) -> Iterator[str]:
+    """What one detector notes of all sections of a satellite's track."""
+    for e in examined:
+        for note in e.notes:
+            yield note if len(examined) == 1 else f"from {e.start_s:.0f} s on {note}"
+    # A band was lost for good, as by a strong attack with a carrier of its own.
+    until_s = max(e.held_until_s for e in examined)
+    if -np.inf < until_s < log.duration_s - examined[0].window_s:
+        yield f"both bands were held together only until {until_s:.2f} of {log.duration_s:.2f} s"
 
 
 def _alarm(log: TrackLog, series: StatisticSeries, config: DetectionConfig) -> Alarm | None:
@@ -117,7 +136,8 @@ def _alarm(log: TrackLog, series: StatisticSeries, config: DetectionConfig) -> A
     track = next((c for c in log.combos if c.prn == series.prn), None)
     band = None
     if track is not None:
-        band = disturbed_band(track.in_memory(), decided.onset_s, decided.alarm_s, config)
+        near = track.between(decided.onset_s - config.attribution_fit_s, decided.alarm_s)
+        band = disturbed_band(near, decided.onset_s, decided.alarm_s, config)
     return Alarm(
         prn=series.prn,
         detector=series.detector,

@@ -31,9 +31,10 @@ def present(log: TrackLog, combo: ComboTrack, min_cn0_dbhz: float) -> NDArray[np
 
     A signal whose own track is not in the log, or has no noise tap, counts as there.
     """
-    there = np.ones(combo.time_s.size, dtype=np.bool_)
-    for track in log.signals:
-        if track.prn == combo.prn and track.signal in (combo.lower, combo.upper):
+    there = np.ones(combo.epochs, dtype=np.bool_)
+    for whole in log.signals if combo.epochs else ():
+        if whole.prn == combo.prn and whole.signal in (combo.lower, combo.upper):
+            track = whole.between(combo.time_s[0] - NOISE_S, combo.time_s[-1] + NOISE_S)
             rows = np.searchsorted(track.time_s, combo.time_s - 0.5 * combo.integration_s)
             rows = np.minimum(rows, track.epochs - 1)
             there &= ~empty(track, min_cn0_dbhz - BELOW_DB)[rows]
@@ -48,9 +49,10 @@ def empty(track: SignalTrack, cn0_dbhz: float) -> NDArray[np.bool_]:
     if interval.size == 0 or abs(float(track.tap_offsets_s[noise_tap])) < NOISE_CHIPS * chip_s:
         return np.zeros(interval.size, dtype=np.bool_)
     epoch_s = float(np.median(interval))
-    taps = [track.prompt_tap, noise_tap]
-    squares = [np.abs(p.taps[:, taps].astype(np.complex128)) ** 2 for p in track.parts()]
-    power, noise = np.concatenate(squares).T / interval
+    power, noise = (
+        np.abs(track.taps[:, tap].astype(np.complex128)) ** 2 / interval
+        for tap in (track.prompt_tap, noise_tap)
+    )
     noise = uniform_filter1d(noise, max(round(NOISE_S / epoch_s), 1), mode="nearest")
     excess = power - noise * (1.0 + 10 ** (cn0_dbhz / 10.0) * interval)
     width = round(WINDOW_S / epoch_s) // 2 * 2 + 1

@@ -71,7 +71,7 @@ def write_report(
         spectrum=spectrum,
         spectrum_figure=draw_spectrum(spectrum, signals) if spectrum is not None else None,
         cn0_figure=draw_cn0(log, hit) if log.signals else None,
-        margins_figure=draw_margins(tests.margins, hit) if tests.margins else None,
+        margins_figure=draw_margins([*tests.margins.values()], hit) if tests.margins else None,
         key_figures=[(a, tests.alarms[a]) for s in ordered for a in s.alarms],
         details=list(_details(ordered[:MOST_DETAILS], log, tests.quiet)),
         left_out=[words.satellite_name(s.system, s.prn) for s in ordered[MOST_DETAILS:]],
@@ -99,10 +99,10 @@ def _template() -> Template:
 class _Tests:
     """Pictures of what was tested."""
 
-    margins: list[Margin] = field(default_factory=list)
+    margins: dict[tuple[str, int], Margin] = field(default_factory=dict)
     alarms: dict[Alarm, str] = field(default_factory=dict)
     quiet: dict[tuple[str, int], str] = field(default_factory=dict)
-    """Of satellites without an alarm."""
+    """Of satellites without an alarm: the section that came closest to the threshold."""
 
 
 def _draw_tests(
@@ -115,15 +115,17 @@ def _draw_tests(
     detailed = {(s.system, s.prn) for s in satellites[:MOST_DETAILS]}
     drawn = _Tests()
     for series in statistics(log, config):
-        key = series.system, series.prn
-        mark = truth if _concerns(truth, *key) else None
         if series.time_s.size:
-            drawn.margins.append(Margin.of(series, config))
+            key = series.system, series.prn
+            mark = truth if _concerns(truth, *key) else None
             for alarm in verdicts[key].alarms:
-                if alarm.detector == series.detector:
+                if alarm.detector == series.detector and series.covers(alarm.alarm_s):
                     drawn.alarms[alarm] = draw_difference(series, config, alarm, mark)
-            if not verdicts[key].alarms and key in detailed:
-                drawn.quiet[key] = draw_difference(series, config, None, mark)
+            margin = Margin.of(series, config)
+            if key not in drawn.margins or margin.of_threshold > drawn.margins[key].of_threshold:
+                drawn.margins[key] = margin
+                if not verdicts[key].alarms and key in detailed:
+                    drawn.quiet[key] = draw_difference(series, config, None, mark)
         del series  # before the next one is made: they are large
     return drawn
 

@@ -14,6 +14,8 @@ from sdr_spoof.records import SignalTrack, State
 from sdr_spoof.report.figures import style
 
 C_M_S = 299_792_458.0
+SAMPLED_EPOCHS = 1 << 16
+"""Of a longer track, 11 minutes of 10 ms, every n-th epoch is enough for a picture."""
 
 
 def draw_satellite(tracks: Sequence[SignalTrack], onset_s: float | None, duration_s: float) -> str:
@@ -22,8 +24,9 @@ def draw_satellite(tracks: Sequence[SignalTrack], onset_s: float | None, duratio
     def draw(figure: Figure) -> None:
         panels = figure.subplots(2, 3).ravel()
         middle = onset_s if onset_s is not None else duration_s / 2.0
-        course = _reference_course(tracks, middle)
-        for track in tracks:
+        shown = [track.sampled(SAMPLED_EPOCHS) for track in tracks]
+        course = _reference_course(shown, middle)
+        for track in shown:
             held = track.state >= State.TRACKING
             if np.count_nonzero(held) < 10:
                 continue
@@ -87,18 +90,10 @@ def code_minus_carrier_m(track: SignalTrack, held: NDArray[np.bool_]) -> NDArray
 
 
 def correlation_shape(track: SignalTrack, part: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Mean taps in phase with the prompt, relative to the mean prompt, shape (taps,).
-
-    Of the epochs in ``part``, shape (epochs,).
-    """
-    turned = np.zeros(track.tap_offsets_s.size)
-    at = 0
-    for piece in track.parts():
-        taps = piece.taps[part[at : at + piece.epochs]].astype(np.complex128)
-        prompt = taps[:, track.prompt_tap]
-        phasor = np.conj(prompt / np.maximum(np.abs(prompt), 1e-30))
-        turned += (taps * phasor[:, None]).real.sum(axis=0)
-        at += piece.epochs
+    """Mean taps in phase with the prompt, relative to the mean prompt, shape (taps,)."""
+    taps = track.taps[part].astype(np.complex128)
+    prompt = taps[:, track.prompt_tap]
+    turned = (taps * np.conj(prompt / np.maximum(np.abs(prompt), 1e-30))[:, None]).real.mean(axis=0)
     return np.asarray(turned / max(float(turned[track.prompt_tap]), 1e-30))
 
 

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from sdr_spoof.records import Acquisition, SignalTrack, State, TrackLog
 from sdr_spoof.report.figures import style
+from sdr_spoof.report.figures.satellite import SAMPLED_EPOCHS
 from sdr_spoof.report.words import satellite_name
 from sdr_spoof.verdict import system_of
 
@@ -79,6 +80,7 @@ def draw_cn0(log: TrackLog, spoofed: Sequence[tuple[str, int]]) -> str:
 
 def _cn0_line(axes: Axes, track: SignalTrack, colour: str, emphasised: bool) -> float | None:
     """Draws a track; returns the C/N0 at which it ends, None if it was never held."""
+    track = track.sampled(SAMPLED_EPOCHS)
     held, cn0 = track.state >= State.TRACKING, track.cn0_dbhz
     if not held.any():
         return None
