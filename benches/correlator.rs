@@ -16,8 +16,8 @@ use std::sync::Arc;
 
 use criterion::{criterion_group, criterion_main, BatchSize, Criterion, Throughput};
 
+use sdr_spoof_core::dsp::band::{Band, Layout, Samples};
 use sdr_spoof_core::dsp::correlator::Correlator;
-use sdr_spoof_core::dsp::prefix::PrefixBand;
 use sdr_spoof_core::dsp::replica::Replica;
 use sdr_spoof_core::signal::{self, Modulation};
 use sdr_spoof_core::track::taps::Taps;

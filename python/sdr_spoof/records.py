@@ -145,6 +145,9 @@ class SignalTrack(Track):
     """Mean of cos(2 phase error): 1 locked, 0 not."""
     taps: NDArray[np.complex64]
     """Correlator outputs over the epoch, secondary code wiped where known, shape (N, taps)."""
+    data_prompt: NDArray[np.complex64]
+    """Prompt of the data component beside a pilot over the epoch, 0 where it is not received. It
+    comes with the pilot's phase: its real part is the data symbol."""
 
 
 @dataclass(frozen=True)

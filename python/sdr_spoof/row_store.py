@@ -56,8 +56,9 @@ class RowStore:
         Raises:
             OutputError: the rows cannot be written (disk full).
         """
-        growing = self._growing.setdefault(kind, [_Growing(self, kind, t) for t in tracks])
-        for track, new in zip(growing, tracks, strict=True):
+        if kind not in self._growing:
+            self._growing[kind] = [_Growing(self, kind, new) for new in tracks]
+        for track, new in zip(self._growing[kind], tracks, strict=True):
             track.append(new)
 
     def tracks(self, kind: type[Kind]) -> tuple[Kind, ...]:

@@ -62,6 +62,9 @@ class TrackingConfig(BaseModel):
         description="receive the B1C pilot's BOC(6,1) part too; unset = where the bandwidth allows",
     )
     combo: bool = Field(True, description="track B1I and B1C of a satellite jointly")
+    data_component: bool = Field(
+        False, description="correlate the B1C data component too, with the pilot's oscillators"
+    )
     reacquire: bool = Field(True, description="search for lost signals again, each second")
 
 

@@ -11,7 +11,7 @@ import pytest
 SATELLITES, RATE_HZ, LO_HZ = 12, 4e6, 1560.598e6
 GROWTH_BYTES = 3e6
 """Less than a tenth of the rows that the longer recording gives more."""
-ROW_BYTES = 8 * 9 + 1 + 8 * 6
+ROW_BYTES = 8 * 9 + 1 + 8 * 7
 RUN = """
 import sys
 from pathlib import Path

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use sdr_spoof_core::dsp::band::{Band, Layout, Samples};
 use sdr_spoof_core::dsp::correlator::Correlator;
-use sdr_spoof_core::dsp::prefix::PrefixBand;
 use sdr_spoof_core::dsp::reference::ReferenceReplica;
 use sdr_spoof_core::dsp::replica::Replica;
 use sdr_spoof_core::signal::{self, Modulation};
+use sdr_spoof_core::simd::Level;
 use sdr_spoof_core::C64;
 
 const TAPS: [i64; 5] = [-12, -5, 0, 5, 12];
@@ -72,7 +73,12 @@ fn run(case: &Case, chunk: usize, signal_lsb: f64, noise_lsb: f64) -> Outcome {
         )
     };
 
-    let mut band = PrefixBand::new(case.intermediate / case.rate, case.complex, 0, 1 << 20);
+    let layout = Layout {
+        complex: case.complex,
+        conjugate: false,
+    };
+    let frequency = case.intermediate / case.rate;
+    let mut band = Band::new(frequency, layout, 0, 1 << 20, Level::best());
     let fast_replica = Arc::new(Replica::new(spec, prn, case.modulation).unwrap());
     let mut channel = Correlator::new(fast_replica, &TAPS, 0, start);
     channel.set_rates(case.doppler / case.rate, samples_per_chip);
@@ -80,9 +86,9 @@ fn run(case: &Case, chunk: usize, signal_lsb: f64, noise_lsb: f64) -> Outcome {
     channel.shift_carrier((replica.phase + case.doppler / case.rate * start.floor()).fract());
     let mut fast = Vec::new();
     for piece in samples.chunks(chunk * width) {
-        band.feed(piece);
+        band.feed(Samples::Int16(piece));
         while let Some(slice) = channel.advance(&band) {
-            fast.push(slice.taps);
+            fast.push(slice.taps.clone());
         }
     }
     let chips = spec.chip_rate_hz * 1e-3;

@@ -46,6 +46,7 @@ fn config(values: &Bound<'_, PyDict>) -> PyResult<TrackConfig> {
         cn0_min_dbhz: get(values, "cn0_min_dbhz")?,
         qmboc: get(values, "qmboc")?,
         combo: get(values, "combo")?,
+        data_component: get(values, "data_component")?,
     })
 }
 
@@ -158,7 +159,8 @@ fn signal_rows<'py>(py: Python<'py>, prn: u16, s: &mut Sideband) -> PyResult<Bou
         phase_error_cycles,
         code_error_chips,
         cn0_dbhz,
-        phase_lock
+        phase_lock,
+        data_prompt
     );
     Ok(d)
 }

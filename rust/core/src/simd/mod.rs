@@ -3,6 +3,9 @@
 //! Everything that is written for one processor lives in this folder, and with it all `unsafe`
 //! code of the crate. Every kernel has a portable form here too, and all forms give the same bits.
 
+pub(crate) mod front_end;
+pub(crate) mod runs;
+
 use std::sync::OnceLock;
 
 /// Vector instructions, from none to most.

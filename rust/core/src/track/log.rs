@@ -43,6 +43,8 @@ pub struct SignalRows {
     pub phase_lock: Vec<f64>,
     /// Correlator outputs, row after row.
     pub taps: Vec<Complex<f32>>,
+    /// Prompt of the data component beside its pilot; 0 where it is not received.
+    pub data_prompt: Vec<Complex<f32>>,
 }
 
 impl SignalRows {

@@ -1,0 +1,267 @@
+//! Shared front end of a band: one local oscillator and running (prefix) sums.
+//!
+//! All satellites of a band lie within a few kHz of one frequency. The band is mixed once and
+//! summed once; a run of equal chips of any channel, at any delay, is then the difference of two
+//! running sums at its sample-exact edges, and the channel's Doppler a slow rotation of it.
+
+use super::oscillator::{Oscillator, AMPLITUDE, WAVE};
+use super::ring::{Ring, Sum, BLOCK};
+use crate::nco;
+use crate::simd::front_end::{self, Blocks};
+use crate::simd::Level;
+
+/// Samples as the front end takes them: real, or I and Q interleaved.
+#[derive(Debug, Clone, Copy)]
+pub enum Samples<'a> {
+    /// Signed bytes.
+    Int8(&'a [u8]),
+    /// 16-bit integers.
+    Int16(&'a [i16]),
+}
+
+/// Products of 16-bit samples are rounded to this many bits less, so that the sums of a group of
+/// runs stay within 32 bits.
+pub(crate) const SHIFT_16: u32 = 3;
+
+/// Where sums begin: only differences mean anything, and I in the middle of its range spares the
+/// portable front end the wrap.
+const ORIGIN: Sum = [i32::MIN, 0];
+
+/// How a band's samples are to be read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Layout {
+    /// I and Q, interleaved.
+    pub complex: bool,
+    /// Take I - jQ.
+    pub conjugate: bool,
+}
+
+impl Layout {
+    /// Values per sample.
+    pub fn width(self) -> usize {
+        1 + usize::from(self.complex)
+    }
+
+    /// A sample times the oscillator.
+    #[inline(always)]
+    pub(crate) fn mix(self, i: i32, q: i32, [c, s]: [i32; 2]) -> Sum {
+        if !self.complex {
+            [i * c, i * s]
+        } else if self.conjugate {
+            [i * c + q * s, i * s - q * c]
+        } else {
+            [i * c - q * s, i * s + q * c]
+        }
+    }
+}
+
+impl Samples<'_> {
+    fn len(&self) -> usize {
+        match self {
+            Samples::Int8(v) => v.len(),
+            Samples::Int16(v) => v.len(),
+        }
+    }
+
+    fn part(&self, from: usize, to: usize) -> Self {
+        match self {
+            Samples::Int8(v) => Samples::Int8(&v[from..to]),
+            Samples::Int16(v) => Samples::Int16(&v[from..to]),
+        }
+    }
+
+    /// Sample `at` times the oscillator, as the sums take it.
+    #[inline(always)]
+    pub(crate) fn mixed(&self, at: usize, layout: Layout, wave: [i32; 2]) -> Sum {
+        let at = at * layout.width();
+        match self {
+            Samples::Int8(v) => {
+                let q = if layout.complex { v[at + 1] } else { 0 };
+                layout.mix(i32::from(v[at] as i8), i32::from(q as i8), wave)
+            }
+            Samples::Int16(v) => {
+                let q = if layout.complex { v[at + 1] } else { 0 };
+                let product = layout.mix(i32::from(v[at]), i32::from(q), wave);
+                product.map(|p| (p + (1 << (SHIFT_16 - 1))) >> SHIFT_16)
+            }
+        }
+    }
+
+    /// What the sums are multiples of: oscillator amplitude in the units of the samples.
+    fn gain(&self) -> f64 {
+        match self {
+            Samples::Int8(_) => f64::from(AMPLITUDE),
+            Samples::Int16(_) => f64::from(AMPLITUDE) / f64::from(1 << SHIFT_16),
+        }
+    }
+}
+
+/// The oscillator beyond the band's nominal frequency, over a stretch of samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Detuning {
+    /// First sample.
+    pub(crate) from: u64,
+    /// Phase beyond the nominal oscillator's at sample `from`, 2^-64 cycles.
+    phase: u64,
+    /// And its step per sample.
+    pub(crate) step: u64,
+}
+
+impl Detuning {
+    /// Phase beyond the nominal oscillator's at a sample, 2^-64 cycles.
+    pub(crate) fn phase(&self, sample: u64) -> u64 {
+        let ahead = sample.wrapping_sub(self.from);
+        self.phase.wrapping_add(self.step.wrapping_mul(ahead))
+    }
+}
+
+/// Running sums of one band of the recording, mixed to about zero by the band's oscillator.
+#[derive(Debug)]
+pub struct Band {
+    level: Level,
+    layout: Layout,
+    /// Nominal frequency, as a step per sample.
+    nominal: u64,
+    oscillator: Oscillator,
+    /// Before the last retuning, and since.
+    detunings: [Detuning; 2],
+    ring: Ring,
+    sum: Sum,
+    end: u64,
+    gain: f64,
+}
+
+impl Band {
+    /// A band at `frequency` (cycles per sample, of the recording) from absolute sample `start`.
+    ///
+    /// At least `history` sums are kept: channels must have worked off older samples before more
+    /// are fed.
+    pub fn new(frequency: f64, layout: Layout, start: u64, history: usize, level: Level) -> Self {
+        let nominal = nco::step_from_frequency(frequency);
+        let detuning = Detuning {
+            from: start,
+            phase: 0,
+            step: 0,
+        };
+        let mut ring = Ring::new(history);
+        ring.store(start, ORIGIN);
+        Band {
+            level,
+            layout,
+            nominal,
+            oscillator: Oscillator::new(nominal, 0, 0),
+            detunings: [detuning; 2],
+            ring,
+            sum: ORIGIN,
+            end: start,
+            gain: f64::from(AMPLITUDE),
+        }
+    }
+
+    /// Moves the oscillator to `offset` (cycles per sample) beyond the nominal frequency for the
+    /// samples to come, its phase unbroken. Channels are turned less, and so less often, the
+    /// nearer they are to it; what they measure does not depend on it.
+    ///
+    /// Retunings must lie farther apart than the band's history.
+    pub fn retune(&mut self, offset: f64) {
+        let [_, now] = self.detunings;
+        let next = Detuning {
+            from: self.end,
+            phase: now.phase(self.end),
+            step: nco::step_from_frequency(offset),
+        };
+        self.detunings = [now, next];
+        let phase = self.oscillator.phase(self.end);
+        let step = self.nominal.wrapping_add(next.step);
+        self.oscillator = Oscillator::new(step, self.end, phase);
+    }
+
+    /// Oscillator beyond the nominal frequency, cycles per sample.
+    pub fn offset(&self) -> f64 {
+        nco::frequency_from_step(self.detunings[1].step)
+    }
+
+    /// One past the last sample absorbed: running sums up to this index exist.
+    pub fn end(&self) -> u64 {
+        self.end
+    }
+
+    /// Absorbs samples; no more at a time than the history has room for.
+    pub fn feed(&mut self, samples: Samples<'_>) {
+        self.gain = samples.gain();
+        let width = self.layout.width();
+        let total = samples.len() / width;
+        let mut at = 0;
+        while at < total {
+            let into = self.end as usize % BLOCK;
+            let blocks = (total - at) / BLOCK;
+            let count = if into != 0 || blocks == 0 {
+                let count = (BLOCK - into).min(total - at);
+                self.absorb_singly(samples.part(at * width, (at + count) * width), count);
+                count
+            } else {
+                let rows = BLOCK / super::ring::LANES;
+                let geometry = self.ring.geometry();
+                let row = geometry.row(self.end);
+                let count = blocks.min((geometry.rows - row) / rows) * BLOCK;
+                let blocks = Blocks {
+                    samples: samples.part(at * width, (at + count) * width),
+                    layout: self.layout,
+                    oscillator: &self.oscillator,
+                    first: self.oscillator.block(self.end),
+                    geometry,
+                    row,
+                };
+                front_end::absorb(self.level, &blocks, self.ring.cells_mut(), &mut self.sum);
+                if row == 0 {
+                    self.ring.repeat_first_rows();
+                }
+                self.end += count as u64;
+                count
+            };
+            at += count;
+        }
+        self.ring.store(self.end, self.sum);
+    }
+
+    /// Part of a block.
+    fn absorb_singly(&mut self, samples: Samples<'_>, count: usize) {
+        let block = self.oscillator.block(self.end).start();
+        for at in 0..count {
+            self.ring.store(self.end, self.sum);
+            let place = self.end as usize % BLOCK;
+            let wave = WAVE[self.oscillator.cell(block, place)];
+            let mixed = samples.mixed(at, self.layout, wave);
+            self.sum = [0, 1].map(|c| self.sum[c].wrapping_add(mixed[c]));
+            self.end += 1;
+        }
+    }
+
+    pub(crate) fn level(&self) -> Level {
+        self.level
+    }
+
+    pub(crate) fn ring(&self) -> &Ring {
+        &self.ring
+    }
+
+    /// Oscillator beyond nominal: before the last retuning, and since.
+    pub(crate) fn detunings(&self) -> [Detuning; 2] {
+        self.detunings
+    }
+
+    /// The one at a sample.
+    pub(crate) fn detuning(&self, sample: u64) -> Detuning {
+        let [before, since] = self.detunings;
+        if sample < since.from {
+            before
+        } else {
+            since
+        }
+    }
+
+    /// What the sums are multiples of, in units of the samples.
+    pub(crate) fn gain(&self) -> f64 {
+        self.gain
+    }
+}
