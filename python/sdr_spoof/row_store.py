@@ -17,13 +17,15 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 import numpy as np
 
 from .errors import OutputError
+from .raw_files import read_all, write_all
 from .records import ComboTrack, SignalTrack, Track
-from .sinks.atomic import reason, write_all
+from .sinks.atomic import reason
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+    from io import FileIO
     from pathlib import Path
-    from typing import BinaryIO, Self
+    from typing import Self
 
     from numpy.typing import NDArray
 
@@ -42,7 +44,7 @@ class RowStore:
         The file vanishes when neither the store nor one of its tracks is used any more.
         """
         self._folder = folder
-        self._file: BinaryIO | None = None if folder else io.BytesIO()
+        self._file: FileIO | io.BytesIO | None = None if folder else io.BytesIO()
         self._size = 0
         self._growing: dict[type[Track], list[_Growing]] = {}
 
@@ -83,7 +85,7 @@ class RowStore:
         """Fill an array with what was written from a place on."""
         assert self._file is not None
         self._file.seek(place)
-        self._file.readinto(out.data.cast("B"))  # type: ignore[attr-defined]
+        read_all(self._file, out.data.cast("B"))
 
 
 class _Growing:

@@ -12,7 +12,6 @@ from sdr_spoof.errors import OutputError, SdrSpoofError
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
-    from typing import BinaryIO
 
 
 @contextmanager
@@ -44,13 +43,6 @@ def write_bytes(path: Path, content: bytes, *, force: bool = False) -> None:
     """
     with replacing(path, force=force) as temporary:
         temporary.write_bytes(content)
-
-
-def write_all(file: BinaryIO, content: bytes | bytearray) -> None:
-    """Write to an unbuffered file, which may take a part only at a time."""
-    rest = memoryview(content)
-    while rest:
-        rest = rest[file.write(rest) :]
 
 
 def reason(error: OSError) -> str:

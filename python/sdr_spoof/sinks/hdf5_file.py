@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import h5py
 
-from .atomic import write_all
+from sdr_spoof.raw_files import write_all
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+    from io import FileIO
     from pathlib import Path
-    from typing import BinaryIO
 
 _LIBVER = ("v110", "v110")
 """Fixed, so that a newer HDF5 library writes the same bytes."""
@@ -42,7 +42,7 @@ class _NeverFailing:
 
     failure: OSError | None = None
 
-    def __init__(self, disk: BinaryIO) -> None:
+    def __init__(self, disk: FileIO) -> None:
         self._disk = disk
         self.seek, self.tell, self.read = disk.seek, disk.tell, disk.read
 

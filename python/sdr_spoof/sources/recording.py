@@ -6,7 +6,6 @@ memory, and where the disk fails, a map ends the process instead of raising an e
 
 from __future__ import annotations
 
-import errno
 import os
 import weakref
 from typing import TYPE_CHECKING
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sdr_spoof.errors import RecordingError, SignalError
+from sdr_spoof.raw_files import read_all
 from sdr_spoof.signals import signal_ids, signal_spec
 
 if TYPE_CHECKING:
@@ -79,18 +79,10 @@ class Recording:
         raw = np.empty(max(0, -(-stop * self._bits // 8) - first), np.uint8)
         try:
             self._file.seek(self.format.offset_bytes + first)
-            self._fill(raw)
+            read_all(self._file, raw.data)
         except OSError as error:
             raise RecordingError(f"{self.path}: cannot be read: {error.strerror}") from error
         return raw
-
-    def _fill(self, raw: NDArray[np.uint8]) -> None:
-        rest = raw.data
-        while rest:
-            count = self._file.readinto(rest)
-            if not count:
-                raise OSError(errno.EIO, "it has become shorter since it was opened")
-            rest = rest[count:]
 
     def check_signal(self, signal: str) -> None:
         """Check that the recording can hold a signal.
