@@ -41,11 +41,14 @@ impl Blocks<'_> {
 /// If the blocks do not fit behind `row`.
 pub(crate) fn absorb(level: Level, blocks: &Blocks<'_>, cells: &mut [Sum], sum: &mut Sum) {
     blocks.geometry.check(cells.len());
-    let end = blocks.row + blocks.count() * ROWS;
-    assert!(blocks.row.is_multiple_of(ROWS) && end <= blocks.geometry.rows);
-    match level {
+    let room = blocks.geometry.rows.checked_sub(blocks.row);
+    assert!(
+        room.is_some_and(|rows| blocks.count() <= rows / ROWS),
+        "blocks beyond the end of a ring"
+    );
+    match level.lowered() {
         #[cfg(target_arch = "x86_64")]
-        // SAFETY: the level is only ever one that the processor has; shapes are checked above.
+        // SAFETY: the processor has a lowered level; shapes are checked above.
         Level::Avx512 => unsafe { avx512::absorb(blocks, cells, sum) },
         #[cfg(target_arch = "x86_64")]
         // SAFETY: as above.
