@@ -5,7 +5,7 @@
 //! running sums at its sample-exact edges, and the channel's Doppler a slow rotation of it.
 
 use super::oscillator::{Oscillator, AMPLITUDE, WAVE};
-use super::ring::{Ring, Sum, BLOCK};
+use super::ring::{Ring, Sum, BLOCK, ORIGIN};
 use crate::nco;
 use crate::simd::front_end::{self, Blocks};
 use crate::simd::Level;
@@ -19,13 +19,12 @@ pub enum Samples<'a> {
     Int16(&'a [i16]),
 }
 
-/// Products of 16-bit samples are rounded to this many bits less, so that the sums of a group of
-/// runs stay within 32 bits.
-pub(crate) const SHIFT_16: u32 = 3;
+/// Products of 16-bit samples are rounded to this many bits less, so that the sums of
+/// [`super::ring::LONGEST_STEP`] samples stay within 32 bits.
+pub(crate) const SHIFT_16: u32 = 4;
 
-/// Where sums begin: only differences mean anything, and I in the middle of its range spares the
-/// portable front end the wrap.
-const ORIGIN: Sum = [i32::MIN, 0];
+/// Samples are counted up to here, exactly as floats.
+pub const LAST_SAMPLE: u64 = 1 << 53;
 
 /// How a band's samples are to be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -100,7 +99,7 @@ impl Samples<'_> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Detuning {
     /// First sample.
-    pub(crate) from: u64,
+    from: u64,
     /// Phase beyond the nominal oscillator's at sample `from`, 2^-64 cycles.
     phase: u64,
     /// And its step per sample.
@@ -123,8 +122,8 @@ pub struct Band {
     /// Nominal frequency, as a step per sample.
     nominal: u64,
     oscillator: Oscillator,
-    /// Before the last retuning, and since.
-    detunings: [Detuning; 2],
+    /// Of the sums that the ring holds, the oldest first.
+    detunings: Vec<Detuning>,
     ring: Ring,
     sum: Sum,
     end: u64,
@@ -135,23 +134,28 @@ impl Band {
     /// A band at `frequency` (cycles per sample, of the recording) from absolute sample `start`.
     ///
     /// At least `history` sums are kept: channels must have worked off older samples before more
-    /// are fed.
+    /// are fed. What comes before `start` counts as zeros.
+    ///
+    /// # Panics
+    /// If the frequency is not finite, or for a start after [`LAST_SAMPLE`].
     pub fn new(frequency: f64, layout: Layout, start: u64, history: usize, level: Level) -> Self {
+        assert!(
+            frequency.is_finite() && start <= LAST_SAMPLE,
+            "no band at {frequency} cycles per sample from sample {start}"
+        );
         let nominal = nco::step_from_frequency(frequency);
         let detuning = Detuning {
             from: start,
             phase: 0,
             step: 0,
         };
-        let mut ring = Ring::new(history);
-        ring.store(start, ORIGIN);
         Band {
             level,
             layout,
             nominal,
             oscillator: Oscillator::new(nominal, 0, 0),
-            detunings: [detuning; 2],
-            ring,
+            detunings: vec![detuning],
+            ring: Ring::new(history),
             sum: ORIGIN,
             end: start,
             gain: f64::from(AMPLITUDE),
@@ -162,23 +166,34 @@ impl Band {
     /// samples to come, its phase unbroken. Channels are turned less, and so less often, the
     /// nearer they are to it; what they measure does not depend on it.
     ///
-    /// Retunings must lie farther apart than the band's history.
+    /// A slice that the oscillator is moved in is correlated as its beginning asks for, so move it
+    /// seldom, and not by more than channels may be off.
+    ///
+    /// # Panics
+    /// If the offset is not finite.
     pub fn retune(&mut self, offset: f64) {
-        let [_, now] = self.detunings;
+        assert!(offset.is_finite(), "no oscillator at {offset}");
         let next = Detuning {
             from: self.end,
-            phase: now.phase(self.end),
+            phase: self.now().phase(self.end),
             step: nco::step_from_frequency(offset),
         };
-        self.detunings = [now, next];
+        self.detunings.push(next);
+        let oldest = self.end.saturating_sub(self.ring.capacity() as u64);
+        let gone = self.detunings[1..].iter().take_while(|d| d.from <= oldest);
+        self.detunings.drain(..gone.count());
         let phase = self.oscillator.phase(self.end);
         let step = self.nominal.wrapping_add(next.step);
         self.oscillator = Oscillator::new(step, self.end, phase);
     }
 
+    fn now(&self) -> Detuning {
+        self.detunings[self.detunings.len() - 1]
+    }
+
     /// Oscillator beyond the nominal frequency, cycles per sample.
     pub fn offset(&self) -> f64 {
-        nco::frequency_from_step(self.detunings[1].step)
+        nco::frequency_from_step(self.now().step)
     }
 
     /// One past the last sample absorbed: running sums up to this index exist.
@@ -245,19 +260,18 @@ impl Band {
         &self.ring
     }
 
-    /// Oscillator beyond nominal: before the last retuning, and since.
-    pub(crate) fn detunings(&self) -> [Detuning; 2] {
-        self.detunings
+    /// Oscillator beyond nominal, stretch by stretch, and the first sample after each.
+    pub(crate) fn detunings(&self) -> impl Iterator<Item = (Detuning, u64)> + '_ {
+        let ends = self.detunings[1..].iter().map(|next| next.from);
+        let ends = ends.chain(std::iter::once(i64::MAX as u64));
+        self.detunings.iter().copied().zip(ends)
     }
 
-    /// The one at a sample.
-    pub(crate) fn detuning(&self, sample: u64) -> Detuning {
-        let [before, since] = self.detunings;
-        if sample < since.from {
-            before
-        } else {
-            since
-        }
+    /// Step of the oscillator beyond nominal at a sample, 2^-64 cycles.
+    pub(crate) fn detuning_step(&self, sample: u64) -> u64 {
+        let mut latest = self.detunings.iter().rev();
+        let at = latest.find(|d| d.from <= sample);
+        at.unwrap_or(&self.detunings[0]).step
     }
 
     /// What the sums are multiples of, in units of the samples.

@@ -8,11 +8,19 @@
 pub const LANES: usize = 8;
 /// Samples that front ends take in one step.
 pub const BLOCK: usize = 128;
+/// The most samples that the runs of one step of a correlator may span. Those of full scale then
+/// stay within 32 bits: 2^12 times 2^15 sqrt(2) times the oscillator's 127, without the bits that
+/// 16-bit samples lose.
+pub(crate) const LONGEST_STEP: usize = 4096;
 /// Rows behind each plane: the repeated ones, and some that keep planes off the same cache sets.
 const PAD: usize = 24;
 
 /// One running sum: I and Q, each modulo 2^32.
 pub(crate) type Sum = [i32; 2];
+
+/// Where sums begin: only differences mean anything, and I in the middle of its range spares the
+/// portable front end the wrap.
+pub(crate) const ORIGIN: Sum = [i32::MIN, 0];
 
 /// The running sums of a band.
 #[derive(Debug)]
@@ -42,7 +50,7 @@ impl Geometry {
             self.rows.is_power_of_two()
                 && self.rows.is_multiple_of(BLOCK / LANES)
                 && self.stride >= self.rows + LANES
-                && cells >= LANES * self.stride,
+                && self.stride <= cells / LANES,
             "a ring of the wrong shape"
         );
     }
@@ -60,11 +68,11 @@ impl Geometry {
 }
 
 impl Ring {
-    /// A ring that holds at least `samples` sums.
+    /// A ring that holds at least `samples` sums, as if nothing but zeros had been absorbed.
     pub(crate) fn new(samples: usize) -> Self {
         let rows = samples.div_ceil(LANES).next_power_of_two().max(BLOCK);
         let mut ring = Ring {
-            cells: vec![[0; 2]; LANES * (rows + PAD) + LANES],
+            cells: vec![ORIGIN; LANES * (rows + PAD) + LANES],
             first: 0,
             rows,
         };
