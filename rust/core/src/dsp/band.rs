@@ -5,7 +5,7 @@
 //! running sums at its sample-exact edges, and the channel's Doppler a slow rotation of it.
 
 use super::oscillator::{Oscillator, AMPLITUDE, WAVE};
-use super::ring::{Ring, Sum, BLOCK, ORIGIN};
+use super::ring::{Ring, Sum, Total, BLOCK, ORIGIN, TOTAL_BITS};
 use crate::nco;
 use crate::simd::front_end::{self, Blocks};
 use crate::simd::Level;
@@ -18,10 +18,6 @@ pub enum Samples<'a> {
     /// 16-bit integers.
     Int16(&'a [i16]),
 }
-
-/// Products of 16-bit samples are rounded to this many bits less, so that the sums of
-/// [`super::ring::LONGEST_STEP`] samples stay within 32 bits.
-pub(crate) const SHIFT_16: u32 = 4;
 
 /// Samples are counted up to here, exactly as floats.
 pub const LAST_SAMPLE: u64 = 1 << 53;
@@ -69,19 +65,19 @@ impl Samples<'_> {
         }
     }
 
-    /// Sample `at` times the oscillator, as the sums take it.
+    /// Sample `at` times the oscillator, as the running total takes it.
     #[inline(always)]
-    pub(crate) fn mixed(&self, at: usize, layout: Layout, wave: [i32; 2]) -> Sum {
+    pub(crate) fn mixed(&self, at: usize, layout: Layout, wave: [i32; 2]) -> [i32; 2] {
         let at = at * layout.width();
         match self {
             Samples::Int8(v) => {
                 let q = if layout.complex { v[at + 1] } else { 0 };
-                layout.mix(i32::from(v[at] as i8), i32::from(q as i8), wave)
+                let product = layout.mix(i32::from(v[at] as i8), i32::from(q as i8), wave);
+                product.map(|p| p << TOTAL_BITS)
             }
             Samples::Int16(v) => {
                 let q = if layout.complex { v[at + 1] } else { 0 };
-                let product = layout.mix(i32::from(v[at]), i32::from(q), wave);
-                product.map(|p| (p + (1 << (SHIFT_16 - 1))) >> SHIFT_16)
+                layout.mix(i32::from(v[at]), i32::from(q), wave)
             }
         }
     }
@@ -90,7 +86,7 @@ impl Samples<'_> {
     fn gain(&self) -> f64 {
         match self {
             Samples::Int8(_) => f64::from(AMPLITUDE),
-            Samples::Int16(_) => f64::from(AMPLITUDE) / f64::from(1 << SHIFT_16),
+            Samples::Int16(_) => f64::from(AMPLITUDE) / f64::from(1 << TOTAL_BITS),
         }
     }
 }
@@ -125,7 +121,7 @@ pub struct Band {
     /// Of the sums that the ring holds, the oldest first.
     detunings: Vec<Detuning>,
     ring: Ring,
-    sum: Sum,
+    total: Total,
     end: u64,
     gain: f64,
 }
@@ -156,7 +152,7 @@ impl Band {
             oscillator: Oscillator::new(nominal, 0, 0),
             detunings: vec![detuning],
             ring: Ring::new(history),
-            sum: ORIGIN,
+            total: Total::from(ORIGIN),
             end: start,
             gain: f64::from(AMPLITUDE),
         }
@@ -227,7 +223,7 @@ impl Band {
                     geometry,
                     row,
                 };
-                front_end::absorb(self.level, &blocks, self.ring.cells_mut(), &mut self.sum);
+                front_end::absorb(self.level, &blocks, self.ring.cells_mut(), &mut self.total);
                 if row == 0 {
                     self.ring.repeat_first_rows();
                 }
@@ -236,18 +232,17 @@ impl Band {
             };
             at += count;
         }
-        self.ring.store(self.end, self.sum);
+        self.ring.store(self.end, self.total.sum());
     }
 
     /// Part of a block.
     fn absorb_singly(&mut self, samples: Samples<'_>, count: usize) {
         let block = self.oscillator.block(self.end).start();
         for at in 0..count {
-            self.ring.store(self.end, self.sum);
+            self.ring.store(self.end, self.total.sum());
             let place = self.end as usize % BLOCK;
             let wave = WAVE[self.oscillator.cell(block, place)];
-            let mixed = samples.mixed(at, self.layout, wave);
-            self.sum = [0, 1].map(|c| self.sum[c].wrapping_add(mixed[c]));
+            self.total.add(samples.mixed(at, self.layout, wave));
             self.end += 1;
         }
     }
