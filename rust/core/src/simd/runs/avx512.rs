@@ -71,14 +71,14 @@ unsafe fn pass<const N: usize, const PART: usize>(
         let zero = _mm512_setzero_si512();
         let mut origins = [zero; N];
         let mut before = [zero; N];
-        let mut re = [zero; N];
-        let mut im = [zero; N];
+        let mut result = [[zero; 2]; N];
         for n in 0..N {
             let origin = runs.base.wrapping_add_signed(taps[n]);
             origins[n] = _mm512_set1_epi64(origin as i64);
             before[n] = load(cells, geometry.cell(origin.wrapping_add(first)) as u64);
-            re[n] = _mm512_loadu_si512(sums[n][0].as_ptr().cast());
-            im[n] = _mm512_loadu_si512(sums[n][1].as_ptr().cast());
+            for k in 0..2 {
+                result[n][k] = _mm512_loadu_si512(sums[n][k].as_ptr().cast());
+            }
         }
         while edge + per_turn < runs.edges.len() {
             let last = runs.position(edge + per_turn);
@@ -101,49 +101,44 @@ unsafe fn pass<const N: usize, const PART: usize>(
                     let cell = _mm512_add_epi64(_mm512_permutexvar_epi64(k, planes), row);
                     let mut c = [0u64; UNIT];
                     _mm512_storeu_si512(c.as_mut_ptr().cast(), cell);
-                    let v = |i: usize| load(cells, c[i]);
-                    if PART == UNIT {
-                        let [v0, v1, v2, v3, v4, v5, v6, v7] =
-                            [v(0), v(1), v(2), v(3), v(4), v(5), v(6), v(7)];
-                        let inner = _mm512_add_epi32(
-                            _mm512_add_epi32(_mm512_sub_epi32(v0, v1), _mm512_sub_epi32(v2, v3)),
-                            _mm512_add_epi32(_mm512_sub_epi32(v4, v5), v6),
-                        );
-                        let outer = _mm512_add_epi32(before[n], v7);
+                    let mut begin = first;
+                    for part in (0..UNIT).step_by(PART) {
+                        // Twice the edges between, in turn plus and minus, less the outer ones.
+                        let mut inner = load(cells, c[part]);
+                        for i in (part + 1..part + PART - 1).step_by(2) {
+                            inner = _mm512_sub_epi32(inner, load(cells, c[i]));
+                            inner = _mm512_add_epi32(inner, load(cells, c[i + 1]));
+                        }
+                        let after = load(cells, c[part + PART - 1]);
+                        let outer = _mm512_add_epi32(before[n], after);
                         let sum = _mm512_sub_epi32(_mm512_add_epi32(inner, inner), outer);
-                        total[n] = _mm512_add_epi32(total[n], sum);
-                        before[n] = v7;
-                    } else {
-                        let mut begin = first;
-                        for part in 0..UNIT / PART {
-                            let mut sum = zero;
-                            for pair in (part * PART..(part + 1) * PART).step_by(2) {
-                                let (m, after) = (v(pair), v(pair + 1));
-                                let outer = _mm512_add_epi32(before[n], after);
-                                let two = _mm512_sub_epi32(_mm512_add_epi32(m, m), outer);
-                                sum = _mm512_add_epi32(sum, two);
-                                before[n] = after;
-                            }
-                            let end = at[(part + 1) * PART - 1];
-                            let phasor = runs.turn(table, begin, end);
-                            turn(&mut re[n], &mut im[n], sum, phasor);
+                        before[n] = after;
+                        if PART == UNIT {
+                            total[n] = _mm512_add_epi32(total[n], sum);
+                        } else {
+                            let end = at[part + PART - 1];
+                            turn(&mut result[n], sum, runs.turn(table, begin, end));
                             begin = end;
                         }
                     }
+                }
+                if PART < UNIT {
+                    first = at[UNIT - 1];
                 }
                 edge += UNIT;
             }
             if PART == UNIT {
                 let phasor = runs.turn(table, first, last);
                 for n in 0..N {
-                    turn(&mut re[n], &mut im[n], total[n], phasor);
+                    turn(&mut result[n], total[n], phasor);
                 }
             }
             first = last;
         }
         for n in 0..N {
-            _mm512_storeu_si512(sums[n][0].as_mut_ptr().cast(), re[n]);
-            _mm512_storeu_si512(sums[n][1].as_mut_ptr().cast(), im[n]);
+            for k in 0..2 {
+                _mm512_storeu_si512(sums[n][k].as_mut_ptr().cast(), result[n][k]);
+            }
         }
     }
     edge
@@ -161,7 +156,7 @@ unsafe fn load(cells: *const Sum, cell: u64) -> __m512i {
 /// Adds (I + jQ)(c - js).
 #[inline]
 #[target_feature(enable = "avx512f")]
-fn turn(re: &mut __m512i, im: &mut __m512i, sum: __m512i, [c, s]: [i32; 2]) {
+fn turn([re, im]: &mut [__m512i; 2], sum: __m512i, [c, s]: [i32; 2]) {
     let q = _mm512_srli_epi64::<32>(sum);
     let (c, s) = (
         _mm512_set1_epi64(i64::from(c)),
