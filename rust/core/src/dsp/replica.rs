@@ -14,8 +14,9 @@ const TURNS: [usize; 6] = [64, 32, 16, 8, 4, 2];
 const LONGEST_S: f64 = 16e-6;
 /// What turning groups of runs, and not samples, may lose.
 const LOSS_DB: f64 = 0.025;
-/// Runs are cut to this length where the residual carrier is fast.
-const FINE_S: f64 = 0.5e-6;
+/// Runs are cut to this length where the residual carrier is fast: two of them are within the loss
+/// at more than 60 kHz.
+const FINE_S: f64 = 0.3e-6;
 /// Sub-chips per chip divide this.
 pub(super) const SUBCHIPS: u64 = 24;
 

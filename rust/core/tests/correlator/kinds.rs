@@ -56,4 +56,12 @@ impl Kind {
     pub fn chips(&self) -> f64 {
         self.replica.chips_per_slice() as f64
     }
+
+    /// Mean length of a run of equal signs of the main layer, chips.
+    pub fn run_chips(&self) -> f64 {
+        match self.modulation {
+            Modulation::Bpsk => 2.0,
+            Modulation::Boc11 | Modulation::Qmboc => 2.0 / 3.0,
+        }
+    }
 }
