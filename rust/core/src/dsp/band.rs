@@ -5,7 +5,7 @@
 //! running sums at its sample-exact edges, and the channel's Doppler a slow rotation of it.
 
 use super::oscillator::{Oscillator, AMPLITUDE, WAVE};
-use super::ring::{Ring, Sum, BLOCK};
+use super::ring::{Ring, Sum, Total, BLOCK, ORIGIN, TOTAL_BITS};
 use crate::nco;
 use crate::simd::front_end::{self, Blocks};
 use crate::simd::Level;
@@ -19,13 +19,8 @@ pub enum Samples<'a> {
     Int16(&'a [i16]),
 }
 
-/// Products of 16-bit samples are rounded to this many bits less, so that the sums of a group of
-/// runs stay within 32 bits.
-pub(crate) const SHIFT_16: u32 = 3;
-
-/// Where sums begin: only differences mean anything, and I in the middle of its range spares the
-/// portable front end the wrap.
-const ORIGIN: Sum = [i32::MIN, 0];
+/// Samples are counted up to here, exactly as floats.
+pub const LAST_SAMPLE: u64 = 1 << 53;
 
 /// How a band's samples are to be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,19 +65,19 @@ impl Samples<'_> {
         }
     }
 
-    /// Sample `at` times the oscillator, as the sums take it.
+    /// Sample `at` times the oscillator, as the running total takes it.
     #[inline(always)]
-    pub(crate) fn mixed(&self, at: usize, layout: Layout, wave: [i32; 2]) -> Sum {
+    pub(crate) fn mixed(&self, at: usize, layout: Layout, wave: [i32; 2]) -> [i32; 2] {
         let at = at * layout.width();
         match self {
             Samples::Int8(v) => {
                 let q = if layout.complex { v[at + 1] } else { 0 };
-                layout.mix(i32::from(v[at] as i8), i32::from(q as i8), wave)
+                let product = layout.mix(i32::from(v[at] as i8), i32::from(q as i8), wave);
+                product.map(|p| p << TOTAL_BITS)
             }
             Samples::Int16(v) => {
                 let q = if layout.complex { v[at + 1] } else { 0 };
-                let product = layout.mix(i32::from(v[at]), i32::from(q), wave);
-                product.map(|p| (p + (1 << (SHIFT_16 - 1))) >> SHIFT_16)
+                layout.mix(i32::from(v[at]), i32::from(q), wave)
             }
         }
     }
@@ -91,7 +86,7 @@ impl Samples<'_> {
     fn gain(&self) -> f64 {
         match self {
             Samples::Int8(_) => f64::from(AMPLITUDE),
-            Samples::Int16(_) => f64::from(AMPLITUDE) / f64::from(1 << SHIFT_16),
+            Samples::Int16(_) => f64::from(AMPLITUDE) / f64::from(1 << TOTAL_BITS),
         }
     }
 }
@@ -100,7 +95,7 @@ impl Samples<'_> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Detuning {
     /// First sample.
-    pub(crate) from: u64,
+    from: u64,
     /// Phase beyond the nominal oscillator's at sample `from`, 2^-64 cycles.
     phase: u64,
     /// And its step per sample.
@@ -123,10 +118,10 @@ pub struct Band {
     /// Nominal frequency, as a step per sample.
     nominal: u64,
     oscillator: Oscillator,
-    /// Before the last retuning, and since.
-    detunings: [Detuning; 2],
+    /// Of the sums that the ring holds, the oldest first.
+    detunings: Vec<Detuning>,
     ring: Ring,
-    sum: Sum,
+    total: Total,
     end: u64,
     gain: f64,
 }
@@ -135,24 +130,29 @@ impl Band {
     /// A band at `frequency` (cycles per sample, of the recording) from absolute sample `start`.
     ///
     /// At least `history` sums are kept: channels must have worked off older samples before more
-    /// are fed.
+    /// are fed. What comes before `start` counts as zeros.
+    ///
+    /// # Panics
+    /// If the frequency is not finite, or for a start after [`LAST_SAMPLE`].
     pub fn new(frequency: f64, layout: Layout, start: u64, history: usize, level: Level) -> Self {
+        assert!(
+            frequency.is_finite() && start <= LAST_SAMPLE,
+            "no band at {frequency} cycles per sample from sample {start}"
+        );
         let nominal = nco::step_from_frequency(frequency);
         let detuning = Detuning {
             from: start,
             phase: 0,
             step: 0,
         };
-        let mut ring = Ring::new(history);
-        ring.store(start, ORIGIN);
         Band {
             level,
             layout,
             nominal,
             oscillator: Oscillator::new(nominal, 0, 0),
-            detunings: [detuning; 2],
-            ring,
-            sum: ORIGIN,
+            detunings: vec![detuning],
+            ring: Ring::new(history),
+            total: Total::from(ORIGIN),
             end: start,
             gain: f64::from(AMPLITUDE),
         }
@@ -162,23 +162,34 @@ impl Band {
     /// samples to come, its phase unbroken. Channels are turned less, and so less often, the
     /// nearer they are to it; what they measure does not depend on it.
     ///
-    /// Retunings must lie farther apart than the band's history.
+    /// A slice that the oscillator is moved in is correlated as its beginning asks for, so move it
+    /// seldom, and not by more than channels may be off.
+    ///
+    /// # Panics
+    /// If the offset is not finite.
     pub fn retune(&mut self, offset: f64) {
-        let [_, now] = self.detunings;
+        assert!(offset.is_finite(), "no oscillator at {offset}");
         let next = Detuning {
             from: self.end,
-            phase: now.phase(self.end),
+            phase: self.now().phase(self.end),
             step: nco::step_from_frequency(offset),
         };
-        self.detunings = [now, next];
+        self.detunings.push(next);
+        let oldest = self.end.saturating_sub(self.ring.capacity() as u64);
+        let gone = self.detunings[1..].iter().take_while(|d| d.from <= oldest);
+        self.detunings.drain(..gone.count());
         let phase = self.oscillator.phase(self.end);
         let step = self.nominal.wrapping_add(next.step);
         self.oscillator = Oscillator::new(step, self.end, phase);
     }
 
+    fn now(&self) -> Detuning {
+        self.detunings[self.detunings.len() - 1]
+    }
+
     /// Oscillator beyond the nominal frequency, cycles per sample.
     pub fn offset(&self) -> f64 {
-        nco::frequency_from_step(self.detunings[1].step)
+        nco::frequency_from_step(self.now().step)
     }
 
     /// One past the last sample absorbed: running sums up to this index exist.
@@ -212,7 +223,7 @@ impl Band {
                     geometry,
                     row,
                 };
-                front_end::absorb(self.level, &blocks, self.ring.cells_mut(), &mut self.sum);
+                front_end::absorb(self.level, &blocks, self.ring.cells_mut(), &mut self.total);
                 if row == 0 {
                     self.ring.repeat_first_rows();
                 }
@@ -221,18 +232,17 @@ impl Band {
             };
             at += count;
         }
-        self.ring.store(self.end, self.sum);
+        self.ring.store(self.end, self.total.sum());
     }
 
     /// Part of a block.
     fn absorb_singly(&mut self, samples: Samples<'_>, count: usize) {
         let block = self.oscillator.block(self.end).start();
         for at in 0..count {
-            self.ring.store(self.end, self.sum);
+            self.ring.store(self.end, self.total.sum());
             let place = self.end as usize % BLOCK;
             let wave = WAVE[self.oscillator.cell(block, place)];
-            let mixed = samples.mixed(at, self.layout, wave);
-            self.sum = [0, 1].map(|c| self.sum[c].wrapping_add(mixed[c]));
+            self.total.add(samples.mixed(at, self.layout, wave));
             self.end += 1;
         }
     }
@@ -245,19 +255,18 @@ impl Band {
         &self.ring
     }
 
-    /// Oscillator beyond nominal: before the last retuning, and since.
-    pub(crate) fn detunings(&self) -> [Detuning; 2] {
-        self.detunings
+    /// Oscillator beyond nominal, stretch by stretch, and the first sample after each.
+    pub(crate) fn detunings(&self) -> impl Iterator<Item = (Detuning, u64)> + '_ {
+        let ends = self.detunings[1..].iter().map(|next| next.from);
+        let ends = ends.chain(std::iter::once(i64::MAX as u64));
+        self.detunings.iter().copied().zip(ends)
     }
 
-    /// The one at a sample.
-    pub(crate) fn detuning(&self, sample: u64) -> Detuning {
-        let [before, since] = self.detunings;
-        if sample < since.from {
-            before
-        } else {
-            since
-        }
+    /// Step of the oscillator beyond nominal at a sample, 2^-64 cycles.
+    pub(crate) fn detuning_step(&self, sample: u64) -> u64 {
+        let mut latest = self.detunings.iter().rev();
+        let at = latest.find(|d| d.from <= sample);
+        at.unwrap_or(&self.detunings[0]).step
     }
 
     /// What the sums are multiples of, in units of the samples.

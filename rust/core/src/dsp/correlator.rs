@@ -6,16 +6,22 @@
 //! residual carrier allows, and each group is turned by the residual carrier at its middle. All
 //! sums are integers: the same bits however the samples come, whatever the processor.
 
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-use super::band::Band;
+use super::band::{Band, LAST_SAMPLE};
 use super::replica::{Output, Part, Replica, SUBCHIPS};
-use super::ring::LANES;
-use crate::simd::runs::{correlate, Runs, Sums, FRACTION, TURN_AMPLITUDE};
+use super::ring::LONGEST_STEP;
+use super::tap_plan::TapPlan;
+use crate::simd::runs::{correlate, Runs, Sums, FRACTION, TURN_AMPLITUDE, UNIT};
 use crate::{nco, C64};
 
 /// A code position of one sample.
 const ONE: f64 = (1u64 << FRACTION) as f64;
+/// Samples per chip that can be correlated: a step of the runs of eight chips is the longest.
+pub const SAMPLES_PER_CHIP: RangeInclusive<f64> = 0.25..=(LONGEST_STEP / UNIT) as f64;
+/// Taps may lie so far from the prompt, samples.
+pub const FARTHEST_TAP: usize = 1 << 30;
 
 /// exp(-j 2 pi cycles)
 fn turn_back(cycles: f64) -> C64 {
@@ -35,39 +41,6 @@ pub struct Slice {
     pub start: u64,
     /// Samples in the slice (prompt tap).
     pub samples: u64,
-}
-
-/// How taps lie in groups of eight, 8 samples apart, that cost one load each.
-#[derive(Debug, Default)]
-struct TapPlan {
-    /// Offset of each group's first lane.
-    groups: Vec<i64>,
-    /// Tap, and the group and lane where its sum is.
-    places: Vec<(usize, usize, usize)>,
-}
-
-impl TapPlan {
-    /// A plan for taps, by their index and offset.
-    fn new(taps: impl Iterator<Item = (usize, i64)>) -> Self {
-        let mut taps: Vec<_> = taps.collect();
-        taps.sort_by_key(|tap| tap.1);
-        let mut plan = TapPlan::default();
-        for (tap, offset) in taps {
-            let lane = |&group: &i64| {
-                let distance = offset - group;
-                let lane = distance as usize / LANES;
-                (distance % LANES as i64 == 0 && lane < LANES).then_some(lane)
-            };
-            let mut known = plan.groups.iter().enumerate();
-            let place = known.find_map(|(g, first)| lane(first).map(|l| (tap, g, l)));
-            plan.places
-                .push(place.unwrap_or((tap, plan.groups.len(), 0)));
-            if place.is_none() {
-                plan.groups.push(offset);
-            }
-        }
-        plan
-    }
 }
 
 /// What a part of the replica has come to.
@@ -98,6 +71,8 @@ pub struct Correlator {
     carrier: i128,
     carrier_step: i64,
     begun: bool,
+    /// Carrier beyond the band's oscillator where the slice began, 2^-64 cycles per sample.
+    residual: u64,
     progress: Vec<Progress>,
     /// Gain of each tap.
     gains: Vec<f64>,
@@ -115,12 +90,19 @@ impl Correlator {
     ///
     /// Taps may lie anywhere; those 8 samples apart from their neighbours, up to eight, cost as
     /// much as one. Call [`Correlator::set_rates`] before the first [`Correlator::advance`].
+    ///
+    /// # Panics
+    /// As [`Correlator::with_outer_taps`].
     pub fn new(replica: Arc<Replica>, taps: &[i64], index: usize, start: f64) -> Self {
         Self::with_outer_taps(replica, taps, &vec![false; taps.len()], index, start)
     }
 
     /// The same, where taps that are marked as outer ones see the main subcarrier layer only, at
     /// unit power: BOC(6,1) costs eight times BOC(1,1), and is of use near the peak.
+    ///
+    /// # Panics
+    /// If `outer` does not say it of each tap, if there is none but outer ones, if one is farther
+    /// than [`FARTHEST_TAP`], or if `start` is not within 0 and [`LAST_SAMPLE`].
     pub fn with_outer_taps(
         replica: Arc<Replica>,
         taps: &[i64],
@@ -128,6 +110,21 @@ impl Correlator {
         index: usize,
         start: f64,
     ) -> Self {
+        assert!(
+            outer.len() == taps.len() && outer.contains(&false),
+            "{} taps, {} marks, at least one of which must be for an inner tap",
+            taps.len(),
+            outer.len()
+        );
+        let farthest = taps.iter().map(|tap| tap.unsigned_abs()).max();
+        assert!(
+            farthest <= Some(FARTHEST_TAP as u64),
+            "a tap {farthest:?} samples from the prompt"
+        );
+        assert!(
+            (0.0..=LAST_SAMPLE as f64).contains(&start),
+            "a channel cannot start at sample {start}"
+        );
         let base = start.floor();
         let all = || taps.iter().copied().enumerate();
         let inner = all().zip(outer).filter(|(_, &o)| !o).map(|(tap, _)| tap);
@@ -149,6 +146,7 @@ impl Correlator {
             carrier: 0,
             carrier_step: 0,
             begun: false,
+            residual: 0,
             progress: replica.parts.iter().map(progress).collect(),
             twisted: None,
             twists: vec![C64::default(); taps.len()],
@@ -172,24 +170,58 @@ impl Correlator {
     }
 
     /// Sets the oscillators for the slices to come: carrier beyond the band's nominal frequency
-    /// in cycles per sample, and samples per chip. To be called between slices only.
+    /// in cycles per sample (wrapping at half a cycle), and samples per chip. To be called between
+    /// slices only.
+    ///
+    /// # Panics
+    /// Within a slice, if the carrier is not finite, or for samples per chip out of
+    /// [`SAMPLES_PER_CHIP`].
     pub fn set_rates(&mut self, carrier: f64, samples_per_chip: f64) {
+        self.check_between_slices();
+        assert!(
+            carrier.is_finite() && SAMPLES_PER_CHIP.contains(&samples_per_chip),
+            "cannot correlate at {carrier} cycles per sample and {samples_per_chip} samples per chip"
+        );
         self.carrier_step = nco::step_from_frequency(carrier) as i64;
         self.chip_step = (samples_per_chip * ONE / SUBCHIPS as f64).round() as u64 * SUBCHIPS;
     }
 
     /// Adds to the carrier phase (cycles), between slices.
+    ///
+    /// # Panics
+    /// Within a slice, or for more cycles than [`LAST_SAMPLE`].
     pub fn shift_carrier(&mut self, cycles: f64) {
+        self.check_between_slices();
+        assert!(
+            cycles.abs() <= LAST_SAMPLE as f64,
+            "cannot turn a carrier by {cycles} cycles"
+        );
         self.carrier += (cycles * nco::CYCLE) as i128;
     }
 
-    /// Moves the replica by this many samples (positive = later), between slices.
+    /// Moves the replica by this many samples (positive = later), between slices. What it is
+    /// moved back to must still be held by its band.
+    ///
+    /// # Panics
+    /// Within a slice, or to a sample that is not within 0 and [`LAST_SAMPLE`].
     pub fn shift_code(&mut self, samples: f64) {
-        let position = self.start() + samples;
-        let base = position.floor();
-        self.carrier += i128::from(self.carrier_step) * (base as i128 - i128::from(self.base));
-        self.base = base as u64;
-        self.fraction = ((position - base) * ONE) as u64;
+        self.check_between_slices();
+        let here = i128::from(self.base) << FRACTION | i128::from(self.fraction);
+        let there = here + (samples * ONE).round() as i128;
+        assert!(
+            samples.abs() <= LAST_SAMPLE as f64
+                && (0..=i128::from(LAST_SAMPLE) << FRACTION).contains(&there),
+            "cannot move a replica at sample {} by {samples}",
+            self.base
+        );
+        let base = (there >> FRACTION) as u64;
+        self.carrier += i128::from(self.carrier_step) * (i128::from(base) - i128::from(self.base));
+        self.base = base;
+        self.fraction = there as u64 & ((1 << FRACTION) - 1);
+    }
+
+    fn check_between_slices(&self) {
+        assert!(!self.begun, "a channel is to be steered between slices");
     }
 
     /// Start of the present slice in samples.
@@ -218,13 +250,43 @@ impl Correlator {
         self.base
     }
 
+    /// Farthest tap from the prompt.
+    pub(crate) fn reach(&self) -> usize {
+        self.reach[1].max(-self.reach[0]) as usize
+    }
+
+    /// The earliest sample that is still needed; it may lie before the recording.
+    pub(crate) fn oldest(&self) -> i64 {
+        let passed = |(part, progress): (&Part, &Progress)| {
+            let list = part.list(progress.fine);
+            let edge = u64::from(list.slices[self.index][progress.edges]);
+            (self.fraction + edge * (self.chip_step / list.subchips)) >> FRACTION
+        };
+        let parts = self.replica.parts.iter().zip(&self.progress);
+        let passed = if self.begun {
+            parts.map(passed).min().unwrap_or(0)
+        } else {
+            0
+        };
+        (self.base + passed) as i64 + self.reach[0]
+    }
+
     /// Works off what the band holds; gives the slice once it is complete, and stands then at
     /// the start of the next.
+    ///
+    /// # Panics
+    /// If the band no longer holds samples that are needed, or rates have never been set.
     pub fn advance(&mut self, band: &Band) -> Option<&Slice> {
         let limit = band.end().wrapping_sub(self.base) as i64 - self.reach[1];
-        if limit < 0 {
+        if limit <= 0 {
             return None;
         }
+        assert!(
+            band.end() as i64 - self.oldest() < band.ring().capacity() as i64,
+            "a channel needs sample {} of a band that stands at {} and has forgotten it",
+            self.oldest(),
+            band.end()
+        );
         if !self.begun {
             self.begin(band);
         }
@@ -248,16 +310,15 @@ impl Correlator {
         }
     }
 
-    /// Residual carrier per sample at the slice's start, 2^-64 cycles.
-    fn residual(&self, band: &Band) -> u64 {
-        (self.carrier_step as u64).wrapping_sub(band.detuning(self.base).step)
-    }
-
     /// Chooses how runs are turned in the slice that begins.
     fn begin(&mut self, band: &Band) {
-        let residual = nco::frequency_from_step(self.residual(band)) * self.samples_per_chip();
+        assert!(self.chip_step > 0, "a channel without rates");
+        let step = band.detuning_step(self.base);
+        self.residual = (self.carrier_step as u64).wrapping_sub(step);
+        let per_chip = nco::frequency_from_step(self.residual) * self.samples_per_chip();
+        let longest = LONGEST_STEP as f64 / self.samples_per_chip();
         for (part, progress) in self.replica.parts.iter().zip(&mut self.progress) {
-            (progress.fine, progress.runs_per_turn) = part.choose(residual);
+            (progress.fine, progress.runs_per_turn) = part.choose(per_chip, longest);
             progress.edges = 0;
             progress.sums.fill(Sums::default());
         }
@@ -266,19 +327,14 @@ impl Correlator {
 
     fn advance_part(&mut self, at: usize, band: &Band, limit: i64) -> bool {
         let part = &self.replica.parts[at];
-        let list = part.list(self.progress[at].fine);
-        let edges = &list.slices[self.index];
-        debug_assert!(
-            self.held(band, edges[self.progress[at].edges], list.subchips),
-            "the band has lost samples that a channel needs"
-        );
         let progress = &mut self.progress[at];
+        let list = part.list(progress.fine);
+        let edges = &list.slices[self.index];
         let taps = &self.plans[part.output as usize].groups;
-        let [before, since] = band.detunings();
-        // What lies before the last retuning is turned as the oscillator was then.
-        let tuned = since.from.wrapping_sub(self.base) as i64;
-        for (detuning, limit) in [(before, limit.min(tuned)), (since, limit)] {
+        // What lies before a retuning is turned as the oscillator was then.
+        for (detuning, end) in band.detunings() {
             let rest = &edges[progress.edges..];
+            let limit = limit.min(end.wrapping_sub(self.base) as i64);
             if rest.len() == 1 || limit < 0 {
                 continue;
             }
@@ -299,15 +355,8 @@ impl Correlator {
         progress.edges + 1 == edges.len()
     }
 
-    /// Whether the earliest sum that is needed from an edge on is still there.
-    fn held(&self, band: &Band, edge: u16, subchips: u64) -> bool {
-        let position = (self.fraction + u64::from(edge) * (self.chip_step / subchips)) >> FRACTION;
-        let oldest = (self.base + position) as i64 + self.reach[0];
-        band.end() as i64 - oldest < band.ring().capacity() as i64
-    }
-
     fn finish(&mut self, band: &Band) {
-        self.twist(self.residual(band));
+        self.twist();
         let scale = 1.0 / (band.gain() * TURN_AMPLITUDE);
         let slice = &mut self.slice;
         slice.taps.fill(C64::default());
@@ -337,15 +386,15 @@ impl Correlator {
     }
 
     /// Taps were turned by the carrier at the prompt.
-    fn twist(&mut self, residual: u64) {
-        if self.twisted == Some(residual) {
+    fn twist(&mut self) {
+        if self.twisted == Some(self.residual) {
             return;
         }
-        let frequency = nco::frequency_from_step(residual);
+        let frequency = nco::frequency_from_step(self.residual);
         let taps = self.offsets.iter().zip(&self.gains);
         for (twist, (&tap, gain)) in self.twists.iter_mut().zip(taps) {
             *twist = turn_back(frequency * tap as f64) * gain;
         }
-        self.twisted = Some(residual);
+        self.twisted = Some(self.residual);
     }
 }

@@ -1,7 +1,7 @@
 //! From raw bytes to the running sums of every band, piece by piece.
 
 use super::band::{Band, Layout, Samples};
-use super::ring::BLOCK;
+use super::ring::{BLOCK, LONGEST_STEP};
 use crate::sample::SampleFormat;
 use crate::simd::Level;
 
@@ -53,20 +53,29 @@ impl FrontEnd {
     }
 
     /// Samples to be kept for channels whose taps lie up to `reach` samples from the prompt, one
-    /// group of runs included.
+    /// step of the correlator included, and the samples that its edges fall on.
     pub fn history(reach: usize) -> usize {
-        2 * reach + 4096
+        2 * reach + LONGEST_STEP + BLOCK
     }
 
     /// Absorbs raw bytes of whole samples, any number of them; `work` is called whenever channels
     /// must work off what the bands hold.
+    ///
+    /// # Panics
+    /// If the bytes are not those of whole samples.
     pub fn feed(&mut self, bytes: &[u8], mut work: impl FnMut(&[Band])) {
         let Stream {
             format,
             float_scale,
             ..
         } = self.stream;
-        for piece in bytes.chunks(self.piece * format.bits_per_sample() / 8) {
+        let bits = format.bits_per_sample();
+        assert!(
+            (bytes.len() * 8).is_multiple_of(bits),
+            "{} bytes are not whole samples of {bits} bits",
+            bytes.len()
+        );
+        for piece in bytes.chunks(self.piece * bits / 8) {
             let buffers = (&mut self.bytes, &mut self.words);
             let samples: Samples<'_> = format.samples(piece, float_scale, buffers);
             for band in &mut self.bands {

@@ -13,3 +13,4 @@ pub mod reference;
 pub mod replica;
 pub mod resample;
 pub(crate) mod ring;
+mod tap_plan;

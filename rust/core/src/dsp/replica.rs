@@ -14,8 +14,9 @@ const TURNS: [usize; 6] = [64, 32, 16, 8, 4, 2];
 const LONGEST_S: f64 = 16e-6;
 /// What turning groups of runs, and not samples, may lose.
 const LOSS_DB: f64 = 0.025;
-/// Runs are cut to this length where the residual carrier is fast.
-const FINE_S: f64 = 0.5e-6;
+/// Runs are cut to this length where the residual carrier is fast: two of them are within the loss
+/// at more than 60 kHz.
+const FINE_S: f64 = 0.3e-6;
 /// Sub-chips per chip divide this.
 pub(super) const SUBCHIPS: u64 = 24;
 
@@ -53,8 +54,17 @@ pub(super) struct RunList {
     pub(super) subchips: u64,
     /// 0, every sign change, and the slice's end until whole turns are full; per slice.
     pub(super) slices: Vec<Vec<u16>>,
-    /// Root mean square length of a turn, in chips.
-    spans: Vec<(usize, f64)>,
+    turns: Vec<Turn>,
+}
+
+/// How many runs may be turned together.
+#[derive(Debug)]
+struct Turn {
+    runs: usize,
+    /// Root mean square length, in chips.
+    span: f64,
+    /// Length of the longest step of a correlator, in chips.
+    longest: f64,
 }
 
 /// The replica of a code period, cut into slices.
@@ -163,15 +173,15 @@ impl Part {
     }
 
     /// The runs, and how many of them are turned together, for a residual carrier in cycles per
-    /// chip: as many as its loss allows.
-    pub(super) fn choose(&self, residual: f64) -> (bool, usize) {
-        let fit = |runs: &RunList| {
-            let fits = |&&(_, span): &&(usize, f64)| loss_db(residual * span) <= LOSS_DB;
-            runs.spans.iter().find(fits).map(|s| s.0)
+    /// chip: as many as its loss allows, and the longest step of a correlator in chips.
+    pub(super) fn choose(&self, residual: f64, longest: f64) -> (bool, usize) {
+        let fit = |list: &RunList| {
+            let fits = |t: &&Turn| t.longest <= longest && loss_db(residual * t.span) <= LOSS_DB;
+            list.turns.iter().find(fits).map(|t| t.runs)
         };
         match fit(&self.runs) {
-            Some(turn) => (false, turn),
-            None => (true, fit(self.list(true)).unwrap_or(2)),
+            Some(runs) => (false, runs),
+            None => (true, fit(self.list(true)).unwrap_or(TURNS[TURNS.len() - 1])),
         }
     }
 
@@ -246,12 +256,15 @@ impl RunList {
             let whole = (slice.len() - 1).next_multiple_of(turns[0]) + 1;
             slice.resize(whole, slice[slice.len() - 1]);
         }
-        let spans = turns
-            .iter()
-            .map(|&t| (t, rms_span(&slices[0], t) / subchips as f64));
+        let chips = |span: f64| span / subchips as f64;
+        let turn = |runs: usize| Turn {
+            runs,
+            span: chips(rms_span(&slices[0], runs)),
+            longest: chips(longest_step(&slices, runs.max(UNIT))),
+        };
         RunList {
             subchips: subchips as u64,
-            spans: spans.collect(),
+            turns: turns.into_iter().map(turn).collect(),
             slices,
         }
     }
@@ -266,4 +279,12 @@ fn rms_span(edges: &[u16], turn: usize) -> f64 {
         sum += span;
     }
     (cubes / sum).sqrt()
+}
+
+/// Length of the longest group of runs that are worked off together.
+fn longest_step(slices: &[Vec<u16>], step: usize) -> f64 {
+    let groups = slices
+        .iter()
+        .flat_map(|s| s.windows(step + 1).step_by(step));
+    f64::from(groups.map(|g| g[step] - g[0]).max().unwrap_or(0))
 }

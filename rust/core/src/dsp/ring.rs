@@ -8,11 +8,47 @@
 pub const LANES: usize = 8;
 /// Samples that front ends take in one step.
 pub const BLOCK: usize = 128;
+/// The most samples that the runs of one step of a correlator may span. Those of full scale then
+/// stay within 32 bits: 2^12 times 2^15 sqrt(2) times the oscillator's 127, in units of 2^4.
+pub(crate) const LONGEST_STEP: usize = 4096;
 /// Rows behind each plane: the repeated ones, and some that keep planes off the same cache sets.
 const PAD: usize = 24;
 
 /// One running sum: I and Q, each modulo 2^32.
 pub(crate) type Sum = [i32; 2];
+
+/// Where sums begin: only differences mean anything, and I in the middle of its range spares the
+/// portable front end the wrap.
+pub(crate) const ORIGIN: Sum = [i32::MIN, 0];
+
+/// Bits that running totals have below those of the sums. Products of 16-bit samples fill them,
+/// so that the sums of [`LONGEST_STEP`] samples stay within 32 bits and nothing is rounded but
+/// the sums.
+pub(crate) const TOTAL_BITS: u32 = 4;
+
+/// A running sum before it is rounded: I and Q.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Total([i64; 2]);
+
+impl From<Sum> for Total {
+    #[inline(always)]
+    fn from(sum: Sum) -> Self {
+        Total(sum.map(|s| i64::from(s) << TOTAL_BITS))
+    }
+}
+
+impl Total {
+    #[inline(always)]
+    pub(crate) fn sum(self) -> Sum {
+        self.0.map(|t| (t >> TOTAL_BITS) as i32)
+    }
+
+    #[inline(always)]
+    pub(crate) fn add(&mut self, [i, q]: [i32; 2]) {
+        self.0[0] = self.0[0].wrapping_add(i64::from(i));
+        self.0[1] = self.0[1].wrapping_add(i64::from(q));
+    }
+}
 
 /// The running sums of a band.
 #[derive(Debug)]
@@ -42,7 +78,7 @@ impl Geometry {
             self.rows.is_power_of_two()
                 && self.rows.is_multiple_of(BLOCK / LANES)
                 && self.stride >= self.rows + LANES
-                && cells >= LANES * self.stride,
+                && self.stride <= cells / LANES,
             "a ring of the wrong shape"
         );
     }
@@ -60,11 +96,11 @@ impl Geometry {
 }
 
 impl Ring {
-    /// A ring that holds at least `samples` sums.
+    /// A ring that holds at least `samples` sums, as if nothing but zeros had been absorbed.
     pub(crate) fn new(samples: usize) -> Self {
         let rows = samples.div_ceil(LANES).next_power_of_two().max(BLOCK);
         let mut ring = Ring {
-            cells: vec![[0; 2]; LANES * (rows + PAD) + LANES],
+            cells: vec![ORIGIN; LANES * (rows + PAD) + LANES],
             first: 0,
             rows,
         };

@@ -9,6 +9,9 @@ pub(crate) mod runs;
 use std::sync::OnceLock;
 
 /// Vector instructions, from none to most.
+///
+/// A level that the processor lacks may be named, but is never run: every kernel lowers it at its
+/// door ([`Level::lowered`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Level {
     /// What every processor of the architecture has.
@@ -27,7 +30,7 @@ impl Level {
         *BEST.get_or_init(|| {
             let wanted = std::env::var("SDR_SPOOF_SIMD").ok();
             let limit = wanted.and_then(|name| Level::parse(&name));
-            limit.map_or_else(Level::detect, |l| l.min(Level::detect()))
+            limit.unwrap_or(Level::Avx512).lowered()
         })
     }
 
@@ -35,7 +38,7 @@ impl Level {
     pub fn available() -> Vec<Level> {
         [Level::Portable, Level::Avx2, Level::Avx512]
             .into_iter()
-            .filter(|&l| l <= Level::detect())
+            .filter(|&level| level.lowered() == level)
             .collect()
     }
 
@@ -52,6 +55,12 @@ impl Level {
         [Level::Portable, Level::Avx2, Level::Avx512]
             .into_iter()
             .find(|l| l.name() == name)
+    }
+
+    /// This level, or the best that the processor has if that is less.
+    pub(crate) fn lowered(self) -> Level {
+        static DETECTED: OnceLock<Level> = OnceLock::new();
+        self.min(*DETECTED.get_or_init(Level::detect))
     }
 
     #[cfg(target_arch = "x86_64")]

@@ -7,65 +7,15 @@ use rayon::prelude::*;
 
 use super::channel::{Channel, WAIT_S};
 use super::config::TrackConfig;
-use super::epoch::Seed;
+pub use super::input::{Input, Target};
 use super::log::State;
 use super::sideband::Sideband;
-use crate::dsp::front_end::{FrontEnd, Stream};
-use crate::dsp::ring::BLOCK;
-use crate::sample::SampleFormat;
-use crate::signal;
+use crate::dsp::front_end::FrontEnd;
 use crate::simd::Level;
 use crate::{Error, Result};
 
-/// The oscillators follow the satellites' common frequency at this interval, s,
-const RETUNED_S: f64 = 1.0;
-/// if it is farther off than this, Hz.
+/// The oscillators follow the satellites' common frequency if it is farther off than this, Hz.
 const DETUNED_HZ: f64 = 500.0;
-
-/// What a recording's samples are.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Input {
-    /// Sample format.
-    pub format: SampleFormat,
-    /// Negate Q.
-    pub conjugate: bool,
-    /// Factor from float samples to integers.
-    pub float_scale: f32,
-    /// Sample rate.
-    pub sample_rate_hz: f64,
-    /// Radio frequency at 0 Hz in the file.
-    pub lo_hz: f64,
-    /// First sample that will be fed.
-    pub start: u64,
-}
-
-/// A signal to track.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Target {
-    /// Registry name.
-    pub signal: String,
-    /// Satellite.
-    pub prn: u16,
-    /// Where it was found.
-    pub seed: Seed,
-}
-
-impl Target {
-    fn check(&self, sample_rate_hz: f64) -> Result<()> {
-        let Seed {
-            doppler_hz,
-            code_delay_s,
-            ..
-        } = self.seed;
-        if doppler_hz.abs() < 0.5 * sample_rate_hz && (0.0..1e3).contains(&code_delay_s) {
-            return Ok(());
-        }
-        Err(Error::Invalid(format!(
-            "{} {}: a Doppler of {doppler_hz} Hz and a code delay of {code_delay_s} s cannot be",
-            self.signal, self.prn
-        )))
-    }
-}
 
 /// Front ends and satellites of one thread.
 struct Unit {
@@ -126,24 +76,6 @@ impl Unit {
     }
 }
 
-impl Input {
-    fn stream(&self) -> Stream {
-        Stream {
-            format: self.format,
-            conjugate: self.conjugate,
-            float_scale: self.float_scale,
-            start: self.start,
-        }
-    }
-
-    /// First sample after `sample` at which oscillators may be retuned.
-    fn next_retuning(&self, sample: u64) -> u64 {
-        let interval = (RETUNED_S * self.sample_rate_hz) as u64;
-        let interval = interval.next_multiple_of(BLOCK as u64).max(BLOCK as u64);
-        (sample / interval + 1) * interval
-    }
-}
-
 /// Tracks any number of satellites through a recording fed in pieces of any length.
 pub struct Tracker {
     input: Input,
@@ -181,6 +113,7 @@ impl Tracker {
         level: Level,
     ) -> Result<Self> {
         config.check()?;
+        input.check()?;
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
@@ -200,18 +133,22 @@ impl Tracker {
     }
 
     /// Absorbs raw bytes of whole samples.
+    ///
+    /// # Panics
+    /// If they are not.
     pub fn feed(&mut self, bytes: &[u8]) {
         let bits = self.input.format.bits_per_sample();
         let mut rest = bytes;
         while !rest.is_empty() {
             let next = self.input.next_retuning(self.position);
-            let length = ((next - self.position) as usize * bits / 8).min(rest.len());
-            let (piece, after) = rest.split_at(length);
+            // To the end of a byte, where that holds several samples.
+            let length = ((next - self.position) as usize * bits).div_ceil(8);
+            let (piece, after) = rest.split_at(length.min(rest.len()));
             let units = &mut self.units;
             self.pool
                 .install(|| units.par_iter_mut().for_each(|unit| unit.feed(piece)));
-            self.position += (length * 8 / bits) as u64;
-            if self.position == next {
+            self.position += (piece.len() * 8 / bits) as u64;
+            if self.position >= next {
                 self.retune();
             }
             rest = after;
@@ -242,9 +179,19 @@ impl Tracker {
         }
     }
 
-    /// All satellites with what they recorded.
+    /// All satellites with what they recorded, in the order of the targets.
     pub fn channels(&self) -> impl Iterator<Item = &Channel> {
         self.order.iter().map(|&(u, c)| &self.units[u].channels[c])
+    }
+
+    /// The same, so that rows may be taken out.
+    pub fn channels_mut(&mut self) -> Vec<&mut Channel> {
+        let order = &self.order;
+        let mut placed: Vec<_> = (self.units.iter_mut().enumerate())
+            .flat_map(|(u, unit)| (0..).map(move |c| (u, c)).zip(&mut unit.channels))
+            .collect();
+        placed.sort_by_key(|(place, _)| order.iter().position(|o| o == place));
+        placed.into_iter().map(|(_, channel)| channel).collect()
     }
 
     /// Next sample to be fed.
@@ -286,8 +233,7 @@ fn build_channels(input: &Input, config: &TrackConfig, targets: &[Target]) -> Re
     let fs = input.sample_rate_hz;
     let mut satellites: Vec<((char, u16), Vec<Sideband>)> = Vec::new();
     for target in targets {
-        let spec = signal::find(&target.signal)?;
-        target.check(fs)?;
+        let spec = target.check(fs)?;
         let sideband = Sideband::new(spec, target.prn, fs, config, target.seed, input.start)?;
         let key = (sideband.spec.system, target.prn);
         match satellites.iter_mut().find(|s| s.0 == key) {

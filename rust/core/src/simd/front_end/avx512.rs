@@ -15,7 +15,7 @@ use super::portable::absorb_inline;
 use super::Blocks;
 use crate::dsp::band::{Layout, Samples};
 use crate::dsp::oscillator::{Oscillator, COSINE, QUARTER};
-use crate::dsp::ring::{Sum, BLOCK, LANES};
+use crate::dsp::ring::{Sum, Total, BLOCK, LANES};
 
 /// Group of 8 samples that a lane holds.
 const fn group(lane: usize) -> usize {
@@ -41,18 +41,21 @@ const LANE: [usize; 16] = {
 /// # Safety
 /// The processor must have the level, and the caller have checked that the blocks fit the ring.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx512vbmi,avx512vnni")]
-pub(super) unsafe fn absorb(blocks: &Blocks<'_>, cells: &mut [Sum], sum: &mut Sum) {
-    match blocks.samples {
-        // SAFETY: handed on.
-        Samples::Int8(bytes) => unsafe {
-            if blocks.layout.complex {
-                complex(blocks, bytes, cells, sum);
-            } else {
-                real(blocks, bytes, cells, sum);
-            }
-        },
-        Samples::Int16(_) => absorb_inline(blocks, cells, sum),
+pub(super) unsafe fn absorb(blocks: &Blocks<'_>, cells: &mut [Sum], total: &mut Total) {
+    let Samples::Int8(bytes) = blocks.samples else {
+        absorb_inline(blocks, cells, total);
+        return;
+    };
+    let mut sum = total.sum();
+    // SAFETY: handed on.
+    unsafe {
+        if blocks.layout.complex {
+            complex(blocks, bytes, cells, &mut sum);
+        } else {
+            real(blocks, bytes, cells, &mut sum);
+        }
     }
+    *total = sum.into();
 }
 
 /// What both kinds of samples share: the cosine table, the scan, and where sums go.

@@ -9,7 +9,7 @@ mod portable;
 use super::Level;
 use crate::dsp::band::{Layout, Samples};
 use crate::dsp::oscillator::{Block, Oscillator};
-use crate::dsp::ring::{Geometry, Sum, BLOCK, LANES};
+use crate::dsp::ring::{Geometry, Sum, Total, BLOCK, LANES};
 
 /// Rows that a block fills.
 const ROWS: usize = BLOCK / LANES;
@@ -35,22 +35,25 @@ impl Blocks<'_> {
     }
 }
 
-/// Stores the sum before each sample, and leaves the sum after the last in `sum`.
+/// Stores the sum before each sample, and leaves the total after the last in `total`.
 ///
 /// # Panics
 /// If the blocks do not fit behind `row`.
-pub(crate) fn absorb(level: Level, blocks: &Blocks<'_>, cells: &mut [Sum], sum: &mut Sum) {
+pub(crate) fn absorb(level: Level, blocks: &Blocks<'_>, cells: &mut [Sum], total: &mut Total) {
     blocks.geometry.check(cells.len());
-    let end = blocks.row + blocks.count() * ROWS;
-    assert!(blocks.row.is_multiple_of(ROWS) && end <= blocks.geometry.rows);
-    match level {
+    let room = blocks.geometry.rows.checked_sub(blocks.row);
+    assert!(
+        room.is_some_and(|rows| blocks.count() <= rows / ROWS),
+        "blocks beyond the end of a ring"
+    );
+    match level.lowered() {
         #[cfg(target_arch = "x86_64")]
-        // SAFETY: the level is only ever one that the processor has; shapes are checked above.
-        Level::Avx512 => unsafe { avx512::absorb(blocks, cells, sum) },
+        // SAFETY: the processor has a lowered level; shapes are checked above.
+        Level::Avx512 => unsafe { avx512::absorb(blocks, cells, total) },
         #[cfg(target_arch = "x86_64")]
         // SAFETY: as above.
-        Level::Avx2 => unsafe { avx2::absorb(blocks, cells, sum) },
-        _ => portable::absorb(blocks, cells, sum),
+        Level::Avx2 => unsafe { avx2::absorb(blocks, cells, total) },
+        _ => portable::absorb(blocks, cells, total),
     }
 }
 
@@ -79,17 +82,15 @@ mod tests {
     }
 
     /// Sum before each sample by the definition, one sample at a time.
-    fn slow(blocks: &Blocks<'_>, mut sum: Sum) -> Vec<Sum> {
-        let total = blocks.count() * BLOCK;
+    fn slow(blocks: &Blocks<'_>, mut total: Total) -> Vec<Sum> {
         let mut sums = Vec::new();
-        for k in 0..total {
-            sums.push(sum);
+        for k in 0..blocks.count() * BLOCK {
+            sums.push(total.sum());
             let block = blocks.oscillator.block(FIRST + k as u64);
             let cell = blocks.oscillator.cell(block.start(), k % BLOCK);
-            let mixed = blocks.samples.mixed(k, blocks.layout, WAVE[cell]);
-            sum = [0, 1].map(|c| sum[c].wrapping_add(mixed[c]));
+            total.add(blocks.samples.mixed(k, blocks.layout, WAVE[cell]));
         }
-        sums.push(sum);
+        sums.push(total.sum());
         sums
     }
 
@@ -97,11 +98,11 @@ mod tests {
     fn every_level_and_format_sums_what_the_definition_says() {
         // Sums that begin near the ends of their range, and in its middle.
         for start in [[i32::MAX - 1000, i32::MIN + 77], [-1, 0], [i32::MIN, 5]] {
-            check(start);
+            check(Total::from(start));
         }
     }
 
-    fn check(start: Sum) {
+    fn check(start: Total) {
         let raw = bytes(2 * 2 * 24 * BLOCK);
         let wide: Vec<i16> = raw
             .chunks_exact(2)
@@ -125,14 +126,14 @@ mod tests {
                         geometry: ring.geometry(),
                         row: 3 * ROWS,
                     };
-                    let mut sum = start;
-                    absorb(level, &blocks, ring.cells_mut(), &mut sum);
+                    let mut total = start;
+                    absorb(level, &blocks, ring.cells_mut(), &mut total);
                     let expected = slow(&blocks, start);
                     for (k, e) in expected[..24 * BLOCK].iter().enumerate() {
                         let cell = ring.geometry().cell((3 * BLOCK + k) as u64);
                         assert_eq!(ring.cells()[cell], *e, "{level:?} {layout:?} sample {k}");
                     }
-                    assert_eq!(sum, expected[24 * BLOCK], "{level:?} {layout:?}");
+                    assert_eq!(total.sum(), expected[24 * BLOCK], "{level:?} {layout:?}");
                 }
             }
         }

@@ -9,18 +9,18 @@ use std::sync::LazyLock;
 use super::{Blocks, ROWS};
 use crate::dsp::band::{Layout, Samples};
 use crate::dsp::oscillator::{CELLS, WAVE};
-use crate::dsp::ring::{Sum, BLOCK, LANES};
+use crate::dsp::ring::{Sum, Total, BLOCK, LANES};
 
 /// Farther than the sums of a block can move.
 const MARGIN: u32 = 1 << 23;
 
-pub(super) fn absorb(blocks: &Blocks<'_>, cells: &mut [Sum], sum: &mut Sum) {
-    absorb_inline(blocks, cells, sum);
+pub(super) fn absorb(blocks: &Blocks<'_>, cells: &mut [Sum], total: &mut Total) {
+    absorb_inline(blocks, cells, total);
 }
 
 /// The same for every level that has no form of its own.
 #[inline(always)]
-pub(super) fn absorb_inline(blocks: &Blocks<'_>, cells: &mut [Sum], sum: &mut Sum) {
+pub(super) fn absorb_inline(blocks: &Blocks<'_>, cells: &mut [Sum], total: &mut Total) {
     let layout = blocks.layout;
     let width = layout.width();
     let mut oscillator = blocks.first;
@@ -30,6 +30,7 @@ pub(super) fn absorb_inline(blocks: &Blocks<'_>, cells: &mut [Sum], sum: &mut Su
         let oscillator_cells = || (0..BLOCK).map(|k| blocks.oscillator.cell(start, k));
         let row = block * ROWS;
         let values = block * BLOCK * width..(block + 1) * BLOCK * width;
+        let mut sum = total.sum();
         match blocks.samples {
             Samples::Int8(bytes) if (MARGIN..u32::MAX - MARGIN).contains(&(sum[0] as u32)) => {
                 let bytes = &bytes[values];
@@ -39,22 +40,23 @@ pub(super) fn absorb_inline(blocks: &Blocks<'_>, cells: &mut [Sum], sum: &mut Su
                     let product = |(v, cell): (&[u8], usize)| {
                         times(v[0], of_i[cell]).wrapping_add(times(v[1], of_q[cell]))
                     };
-                    add_words(pairs.map(product), &mut planes, row, sum);
+                    add_words(pairs.map(product), &mut planes, row, &mut sum);
                 } else {
                     let [table, _] = words(layout);
                     let values = bytes.iter().zip(oscillator_cells());
                     let product = |(&v, cell): (&u8, usize)| times(v, table[cell]);
-                    add_words(values.map(product), &mut planes, row, sum);
+                    add_words(values.map(product), &mut planes, row, &mut sum);
                 }
+                *total = sum.into();
             }
             // One loop for each kind of sample, so that nothing is decided inside.
             Samples::Int8(bytes) => {
                 let samples = Samples::Int8(&bytes[values]);
-                add_mixed(samples, layout, oscillator_cells(), &mut planes, row, sum);
+                add_mixed(samples, layout, oscillator_cells(), &mut planes, row, total);
             }
             Samples::Int16(words) => {
                 let samples = Samples::Int16(&words[values]);
-                add_mixed(samples, layout, oscillator_cells(), &mut planes, row, sum);
+                add_mixed(samples, layout, oscillator_cells(), &mut planes, row, total);
             }
         }
         oscillator = oscillator.next();
@@ -123,18 +125,16 @@ fn add_mixed(
     cells: impl Iterator<Item = usize>,
     planes: &mut [&mut [Sum]; LANES],
     row: usize,
-    sum: &mut Sum,
+    total: &mut Total,
 ) {
     let mut mixed = [[0i32; 2]; BLOCK];
     for (k, (m, cell)) in mixed.iter_mut().zip(cells).enumerate() {
         *m = samples.mixed(k, layout, WAVE[cell]);
     }
-    let mut total = *sum;
     for (r, eight) in mixed.chunks_exact(LANES).enumerate() {
         for (plane, m) in planes.iter_mut().zip(eight) {
-            plane[row + r] = total;
-            total = [0, 1].map(|c| total[c].wrapping_add(m[c]));
+            plane[row + r] = total.sum();
+            total.add(*m);
         }
     }
-    *sum = total;
 }

@@ -88,9 +88,9 @@ pub(crate) fn correlate(level: Level, runs: &Runs<'_>, taps: &[i64], sums: &mut 
     let per_turn = runs.runs_per_turn.max(UNIT);
     assert!(runs.edges.len() % per_turn == 1 && taps.len() == sums.len());
     assert!(matches!(runs.runs_per_turn, 2 | 4) || runs.runs_per_turn.is_multiple_of(UNIT));
-    match level {
+    match level.lowered() {
         #[cfg(target_arch = "x86_64")]
-        // SAFETY: the level is only ever one that the processor has; shapes are checked above.
+        // SAFETY: the processor has a lowered level; shapes are checked above.
         Level::Avx512 => unsafe { avx512::correlate(runs, taps, sums) },
         #[cfg(target_arch = "x86_64")]
         // SAFETY: as above.
