@@ -128,3 +128,21 @@ class Tracker:
     def take_combos(self) -> list[dict[str, Any]]: ...
 
 def early_late(modulation: str, half_chips: float) -> tuple[float, float]: ...
+
+# speed
+@final
+class EngineBench:
+    def __new__(
+        cls,
+        sample_format: str,
+        sample_rate_hz: float,
+        lo_hz: float,
+        threads: Sequence[Sequence[tuple[str, int, str, bool, float, float]]],
+        taps: Sequence[int],
+        *,
+        bands: Sequence[float] = ...,
+    ) -> Self: ...
+    def feed(self, raw: NDArray[np.uint8], times: int) -> int: ...
+
+def simd_level() -> str: ...
+def simd_levels() -> list[str]: ...
