@@ -29,6 +29,9 @@ COLOURS = {
     "W2": "#009E73",
 }
 
+_ROOM = 1.25
+"""Of an axis, so that the legend lies above the lines."""
+
 
 def draw(path: Path, costs: Sequence[Cost], *, cores: int) -> None:
     """Cost against sample rate, channels, taps and threads, one panel each."""
@@ -48,14 +51,13 @@ def draw(path: Path, costs: Sequence[Cost], *, cores: int) -> None:
         )
         _log(by_rate, [c for c in costs if c.against == "msps"])
         by_channels.set(title="One band, real int8 at 120 Msps, 5 taps", xlabel="channels")
-        by_taps.legend(frameon=False, loc="upper left")
         by_taps.set(title="One B1I channel more, 120 Msps", xlabel="taps")
         by_threads.set(title=f"24 channels, 120 Msps, {cores} cores", xlabel="threads")
         for axes in (by_rate, by_channels, by_taps):
             axes.set_ylabel("core time, µs per ms of signal")
         by_threads.set_ylabel("time, µs per ms of signal")
         for axes in (by_channels, by_taps, by_threads):
-            axes.set_ylim(bottom=0)
+            axes.set_ylim(0, _ROOM * axes.get_ylim()[1])
         by_threads.xaxis.set_major_locator(
             FixedLocator(sorted({c.value for c in costs if c.against == "threads"}))
         )
@@ -76,12 +78,13 @@ def _lines(axes: Axes, costs: Sequence[Cost]) -> None:
             color=COLOURS[kind],
             label=None if close else what,
         )
-    axes.legend(frameon=False)
+    axes.legend(frameon=False, loc="upper left", ncols=2)
 
 
 def _log(axes: Axes, costs: Sequence[Cost]) -> None:
     """Logarithmic axes with plain numbers."""
     axes.set(xscale="log", yscale="log")
+    axes.set_ylim(top=3 * axes.get_ylim()[1])  # room for the legend
     axes.xaxis.set_major_locator(FixedLocator(sorted({c.value for c in costs})))
     axes.xaxis.set_minor_locator(NullLocator())
     plain = FuncFormatter(lambda value, _: f"{value:g}")
