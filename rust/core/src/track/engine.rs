@@ -179,9 +179,19 @@ impl Tracker {
         }
     }
 
-    /// All satellites with what they recorded.
+    /// All satellites with what they recorded, in the order of the targets.
     pub fn channels(&self) -> impl Iterator<Item = &Channel> {
         self.order.iter().map(|&(u, c)| &self.units[u].channels[c])
+    }
+
+    /// The same, so that rows may be taken out.
+    pub fn channels_mut(&mut self) -> Vec<&mut Channel> {
+        let order = &self.order;
+        let mut placed: Vec<_> = (self.units.iter_mut().enumerate())
+            .flat_map(|(u, unit)| (0..).map(move |c| (u, c)).zip(&mut unit.channels))
+            .collect();
+        placed.sort_by_key(|(place, _)| order.iter().position(|o| o == place));
+        placed.into_iter().map(|(_, channel)| channel).collect()
     }
 
     /// Next sample to be fed.
