@@ -116,10 +116,10 @@ impl Correlator {
             taps.len(),
             outer.len()
         );
-        let farthest = taps.iter().map(|tap| tap.unsigned_abs()).max();
+        let farthest = taps.iter().map(|tap| tap.unsigned_abs()).fold(0, u64::max);
         assert!(
-            farthest <= Some(FARTHEST_TAP as u64),
-            "a tap {farthest:?} samples from the prompt"
+            farthest <= FARTHEST_TAP as u64,
+            "a tap {farthest} samples from the prompt"
         );
         assert!(
             (0.0..=LAST_SAMPLE as f64).contains(&start),
@@ -206,11 +206,10 @@ impl Correlator {
     /// Within a slice, or to a sample that is not within 0 and [`LAST_SAMPLE`].
     pub fn shift_code(&mut self, samples: f64) {
         self.check_between_slices();
-        let here = i128::from(self.base) << FRACTION | i128::from(self.fraction);
-        let there = here + (samples * ONE).round() as i128;
+        let here = (i128::from(self.base) << FRACTION) | i128::from(self.fraction);
+        let there = here.saturating_add((samples * ONE).round() as i128);
         assert!(
-            samples.abs() <= LAST_SAMPLE as f64
-                && (0..=i128::from(LAST_SAMPLE) << FRACTION).contains(&there),
+            !samples.is_nan() && (0..=i128::from(LAST_SAMPLE) << FRACTION).contains(&there),
             "cannot move a replica at sample {} by {samples}",
             self.base
         );
