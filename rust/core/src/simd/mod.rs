@@ -3,6 +3,8 @@
 //! Everything that is written for one processor lives in this folder, and with it all `unsafe`
 //! code of the crate. Every kernel has a portable form here too, and all forms give the same bits.
 
+pub(crate) mod synth;
+
 use std::sync::OnceLock;
 
 /// Vector instructions, from none to most.

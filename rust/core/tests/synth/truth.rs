@@ -165,6 +165,30 @@ fn emitters_add_up() {
     }
 }
 
+/// Data and pilot of a satellite are rendered together, and yet add up to what each is alone.
+#[test]
+fn components_that_move_as_one_add_up() {
+    let config = config("cf32", 50e6, 1568.259e6);
+    let motion = |signal: &str, data_seed| Emitter {
+        data_seed,
+        power_db: Profile::new(vec![(0.0, -3.0), (0.02, 3.0)]).unwrap(),
+        start_s: 0.000_7,
+        end_s: 0.019,
+        ..moving(signal, 27)
+    };
+    let (data, pilot) = (motion("B1CD", Some(9)), motion("B1CP", None));
+    let make = |e: Vec<Emitter>| {
+        let synth = Synthesizer::new(config.clone(), e).unwrap();
+        samples(&config, &synth.generate(0, 1_000_000).unwrap())
+    };
+    let alone = [make(vec![data.clone()]), make(vec![pilot.clone()])];
+    let both = make(vec![data, pilot]);
+    assert!(both.iter().any(|v| v.norm() > 0.0));
+    for (k, v) in both.iter().enumerate() {
+        assert!((alone[0][k] + alone[1][k] - v).norm() < 1e-6, "sample {k}");
+    }
+}
+
 #[test]
 fn pilot_and_data_are_in_quadrature() {
     // BDS-SIS-ICD-B1C-1.0 section 4.2.1: the BOC(1,1) part of the pilot leads the data by 90
