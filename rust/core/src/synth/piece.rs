@@ -53,11 +53,7 @@ impl Synthesizer {
             chips, diff, raw, ..
         } = workspace;
         let (count, loops) = ((to - from) as usize, self.loops());
-        let parts = if self.config.format.is_complex() {
-            2
-        } else {
-            1
-        };
+        let parts = 1 + usize::from(self.config.format.is_complex());
         for (raw, noise) in raw.iter_mut().zip(&self.noise).take(parts) {
             let start = raw.len();
             raw.resize(start + count, 0.0);
@@ -118,8 +114,8 @@ impl Synthesizer {
             pairs.for_each(|((pair, &i), &q)| pair.copy_from_slice(&[i, q]));
             values = scratch;
         }
-        self.loops()
-            .pack(self.config.format, values, gain as f32, out);
+        let format = self.config.format;
+        self.loops().pack(format, values, gain as f32, out);
         for raw in raw {
             raw.drain(..count.min(raw.len()));
         }

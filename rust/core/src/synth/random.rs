@@ -35,10 +35,10 @@ pub(super) fn hash(key: u64, counter: u64) -> u64 {
 pub(crate) type Table = [u64; BINS];
 
 /// Samples made at once, from an even one on.
-pub(crate) const BATCH: usize = 128;
+pub(crate) type Batch = [f32; BATCH];
+const BATCH: usize = 128;
 /// Samples that are searched for outer bins at once.
 const GROUP: usize = 16;
-pub(crate) type Batch = [f32; BATCH];
 
 static TABLE: LazyLock<Box<Table>> = LazyLock::new(|| {
     let edge = |k: usize| normal_quantile(k as f64 / BINS as f64);
@@ -52,20 +52,20 @@ static TABLE: LazyLock<Box<Table>> = LazyLock::new(|| {
 
 /// One stream of unit-variance white Gaussian noise.
 #[derive(Debug, Clone, Copy)]
-pub struct Noise {
+pub(super) struct Noise {
     key: u64,
 }
 
 impl Noise {
     /// Stream number `stream` of a seed; streams are independent.
-    pub fn new(seed: u64, stream: u64) -> Self {
+    pub(super) fn new(seed: u64, stream: u64) -> Self {
         Noise {
             key: mix(hash(seed, stream)),
         }
     }
 
     /// Writes the noise of samples `start..start + out.len()`.
-    pub(crate) fn fill(&self, loops: Loops, start: i64, out: &mut [f32]) {
+    pub(super) fn fill(&self, loops: Loops, start: i64, out: &mut [f32]) {
         let (head, body) = out.split_at_mut(((start & 1) as usize).min(out.len()));
         let mut batch = [0.0; BATCH];
         if let [first] = head {
@@ -92,13 +92,11 @@ impl Noise {
         loops.noise(self.key, pair as u64, &TABLE, out);
         for (k, group) in out.chunks_exact_mut(GROUP).enumerate() {
             if group.iter().fold(false, |any, v| any | v.is_infinite()) {
-                for (j, v) in group
-                    .iter_mut()
-                    .enumerate()
-                    .filter(|(_, v)| v.is_infinite())
-                {
+                for (j, v) in group.iter_mut().enumerate() {
                     let sample = k * GROUP + j;
-                    *v = self.tail(pair + sample as i64 / 2, sample as u32 % 2);
+                    if v.is_infinite() {
+                        *v = self.tail(pair + sample as i64 / 2, sample as u32 % 2);
+                    }
                 }
             }
         }

@@ -9,7 +9,6 @@
 use super::composite::Composite;
 use super::motion::{Motion, FRACTION};
 use super::wave::{unit_vectors, UNIT};
-
 use crate::simd::synth::{truncate, Loops};
 
 /// Buffers hold whole numbers of so many chips.
@@ -111,14 +110,10 @@ pub(crate) fn add_words(
     (re, im): (&[f32], &[f32]),
     words: &mut [i64],
 ) {
-    let signs = signs.as_chunks::<LANES>().0;
-    let phasors = re
-        .as_chunks::<LANES>()
-        .0
-        .iter()
-        .zip(im.as_chunks::<LANES>().0);
-    let words = words.as_chunks_mut::<LANES>().0;
-    for ((words, signs), (re, im)) in words.iter_mut().zip(signs).zip(phasors) {
+    let (words, _) = words.as_chunks_mut::<LANES>();
+    let (signs, _) = signs.as_chunks::<LANES>();
+    let ((re, _), (im, _)) = (re.as_chunks::<LANES>(), im.as_chunks::<LANES>());
+    for (((words, signs), re), im) in words.iter_mut().zip(signs).zip(re).zip(im) {
         for k in 0..LANES {
             let sign = f32::from(signs[k]);
             let i = truncate((re[k] * wr - im[k] * wi) * sign);

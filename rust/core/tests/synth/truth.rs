@@ -165,7 +165,8 @@ fn emitters_add_up() {
     }
 }
 
-/// Data and pilot of a satellite are rendered together, and yet add up to what each is alone.
+/// Components with the same motion are rendered together, and yet add up to what each is alone:
+/// data and pilot of a satellite, and a signal of another system with the same delay.
 #[test]
 fn components_that_move_as_one_add_up() {
     let config = config("cf32", 50e6, 1568.259e6);
@@ -176,16 +177,21 @@ fn components_that_move_as_one_add_up() {
         end_s: 0.019,
         ..moving(signal, 27)
     };
-    let (data, pilot) = (motion("B1CD", Some(9)), motion("B1CP", None));
+    let all = vec![
+        motion("B1CD", Some(9)),
+        motion("B1CP", None),
+        motion("L1CA", Some(2)),
+    ];
     let make = |e: Vec<Emitter>| {
         let synth = Synthesizer::new(config.clone(), e).unwrap();
         samples(&config, &synth.generate(0, 1_000_000).unwrap())
     };
-    let alone = [make(vec![data.clone()]), make(vec![pilot.clone()])];
-    let both = make(vec![data, pilot]);
-    assert!(both.iter().any(|v| v.norm() > 0.0));
-    for (k, v) in both.iter().enumerate() {
-        assert!((alone[0][k] + alone[1][k] - v).norm() < 1e-6, "sample {k}");
+    let alone: Vec<_> = all.iter().map(|e| make(vec![e.clone()])).collect();
+    let together = make(all);
+    assert!(together.iter().any(|v| v.norm() > 0.0));
+    for (k, v) in together.iter().enumerate() {
+        let sum: Complex64 = alone.iter().map(|x| x[k]).sum();
+        assert!((sum - v).norm() < 1e-6, "sample {k}");
     }
 }
 
