@@ -19,7 +19,7 @@ RUST_SOURCES := Cargo.toml Cargo.lock $(shell find rust -name '*.rs' -o -name Ca
 
 step = @printf '\n== %s ==\n' '$(1)'
 
-.PHONY: demo test bench check clean setup lock
+.PHONY: demo test bench bench-check bench-update check clean setup lock
 
 demo: setup
 	$(BIN)/sdr-spoof demo --output $(OUT) --force
@@ -46,6 +46,12 @@ check: setup
 # The kernels by themselves, with criterion: cargo bench --package sdr_spoof_benches
 bench: setup
 	$(BIN)/sdr-spoof bench
+
+# Instructions of a fixed workload against benches/instructions.toml; needs valgrind.
+bench-check bench-update: $(DEPENDENCIES)
+	cargo build --release --locked --quiet --package sdr_spoof_benches --bin instructions
+	$(BIN)/python benches/instructions.py target/release/instructions \
+		$(if $(filter bench-update,$@),--update)
 
 setup: $(EXTENSION)
 

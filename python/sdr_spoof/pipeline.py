@@ -106,7 +106,7 @@ def process(
     out = Path(out)
     result_path, report_path = _outputs(out, ("result.h5", "report.html"), force=force)
     with _folder(out):
-        found, log = receive(recording, config, signals, prns, threads, stages)
+        found, log = receive(recording, config, signals, prns, threads, stages, out)
         with stages("Reporting") as progress:
             verdict = detect(log, config.detection)
             result = Result.of(recording, config, acquisitions=found, log=log, verdict=verdict)

@@ -9,6 +9,7 @@ from .tracking import track
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
     from .config import Config
     from .progress import Stages
@@ -23,8 +24,12 @@ def receive(
     prns: Sequence[int] | None,
     threads: int | None,
     stages: Stages,
+    rows_in: Path,
 ) -> tuple[list[Acquisition], TrackLog]:
-    """Acquire, and track what was detected; what comes before detection."""
+    """Acquire, and track what was detected; what comes before detection.
+
+    The log's rows are in a temporary file in the folder ``rows_in``, not in memory.
+    """
     with stages("Acquiring") as progress:
         found = acquire(
             recording,
@@ -36,5 +41,12 @@ def receive(
         )
     detected = [a for a in found if a.detected]
     with stages("Tracking") as progress:
-        log = track(recording, detected, config.tracking, threads=threads, progress=progress)
+        log = track(
+            recording,
+            detected,
+            config.tracking,
+            threads=threads,
+            rows_in=rows_in,
+            progress=progress,
+        )
     return found, log

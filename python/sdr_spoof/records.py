@@ -6,12 +6,16 @@ carrier phase grows as range grows (RINEX sense), Doppler is positive when appro
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from bisect import bisect_left, bisect_right
+from dataclasses import dataclass, fields, replace
 from enum import IntEnum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+import numpy as np
 
 if TYPE_CHECKING:
-    import numpy as np
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
 
@@ -47,9 +51,74 @@ class State(IntEnum):
     """Tracked jointly with the other sideband of the satellite."""
 
 
+PART_EPOCHS = 1 << 15
+"""Epochs worked on at a time where a whole track would be too much: 4 MB of a signal's rows."""
+
+
 @dataclass(frozen=True)
-class SignalTrack:
-    """Epochs of one signal of one satellite. All arrays have N rows; times are mid-epoch."""
+class Track:
+    """What the tracks have in common: columns of N rows, one row per epoch, times mid-epoch.
+
+    A track whose rows are on disk (:mod:`sdr_spoof.row_store`) reads a column each time that it is
+    asked for it: take it once, or :meth:`in_memory` where most are needed.
+    """
+
+    NOT_COLUMNS: ClassVar[frozenset[str]] = frozenset()
+    """Fields that do not have one value per epoch."""
+
+    if TYPE_CHECKING:
+        time_s: NDArray[np.float64]
+        integration_s: NDArray[np.float64]
+
+    @classmethod
+    def columns(cls) -> list[str]:
+        """Names of the fields that have one row per epoch."""
+        return [f.name for f in fields(cls) if f.name not in cls.NOT_COLUMNS]
+
+    @property
+    def epochs(self) -> int:
+        """Number of rows."""
+        return len(getattr(self, self.columns()[0]))
+
+    def part(self, start: int, stop: int) -> Self:
+        """Epochs ``start`` to ``stop``, in memory."""
+        return replace(self, **{name: getattr(self, name)[start:stop] for name in self.columns()})
+
+    def parts(self, epochs: int = PART_EPOCHS) -> Iterator[Self]:
+        """Split the whole track in parts of so many epochs, each in memory."""
+        return (self.part(at, at + epochs) for at in range(0, self.epochs, epochs))
+
+    def in_memory(self) -> Self:
+        """Read the whole track."""
+        return self
+
+    def between(self, start_s: float, stop_s: float) -> Self:
+        """Epochs whose time lies in [start_s, stop_s], in memory."""
+
+        def time_s(row: int) -> float:
+            return float(self.part(row, row + 1).time_s[0])
+
+        rows = range(self.epochs)
+        first = bisect_left(rows, start_s, key=time_s)
+        return self.part(first, bisect_right(rows, stop_s, key=time_s))
+
+    def sampled(self, most: int) -> Self:
+        """Every n-th epoch of the track, no more than ``most`` in all, in memory."""
+        step = -(-self.epochs // most)
+        if step <= 1:
+            return self.in_memory()
+        kept: dict[str, list[NDArray[Any]]] = {name: [] for name in self.columns()}
+        for part in self.parts(step * max(1, PART_EPOCHS // step)):
+            for name, values in kept.items():
+                values.append(getattr(part, name)[::step].copy())
+        return replace(self.part(0, 0), **{n: np.concatenate(v) for n, v in kept.items()})
+
+
+@dataclass(frozen=True)
+class SignalTrack(Track):
+    """Epochs of one signal of one satellite."""
+
+    NOT_COLUMNS = frozenset({"signal", "prn", "modulation", "tap_offsets_s", "prompt_tap"})
 
     signal: str
     prn: int
@@ -76,11 +145,16 @@ class SignalTrack:
     """Mean of cos(2 phase error): 1 locked, 0 not."""
     taps: NDArray[np.complex64]
     """Correlator outputs over the epoch, secondary code wiped where known, shape (N, taps)."""
+    data_prompt: NDArray[np.complex64]
+    """Prompt of the data component beside a pilot over the epoch, 0 where it is not received. It
+    comes with the pilot's phase: its real part is the data symbol."""
 
 
 @dataclass(frozen=True)
-class ComboTrack:
+class ComboTrack(Track):
     """Joint epochs of the two sidebands of a satellite; rows belong to the same transmit time."""
+
+    NOT_COLUMNS = frozenset({"prn", "lower", "upper"})
 
     prn: int
     lower: str

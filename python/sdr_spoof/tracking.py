@@ -1,8 +1,8 @@
 """Tracking: runs the core's loops over a recording and gathers what they recorded.
 
 The per-sample and per-epoch work is in the Rust core; here the recording is fed block by block,
-and lost signals are searched for again at whole seconds of the recording, so that the result
-does not depend on the size of the blocks.
+what was recorded is taken out each second, and lost signals are searched for again at whole
+seconds of the recording, so that the result does not depend on the size of the blocks.
 """
 
 from __future__ import annotations
@@ -15,15 +15,20 @@ from pydantic import BaseModel, ConfigDict, Field
 from . import _core
 from .acquisition import AcquisitionConfig, acquire
 from .errors import ConfigError, RecordingError
+from .interrupt import held_back
 from .records import Acquisition, ComboTrack, SignalTrack, TrackLog
+from .row_store import RowStore
 from .signals import signal_spec
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
+    from pathlib import Path
 
     from .progress import Progress
     from .sources.source import Source
 
+BLOCK_BYTES = 8 << 20
+"""Samples read and fed at a time. Larger blocks leave the processor's cache and read slower."""
 QMBOC_HALF_BANDWIDTH_HZ = 7.161e6
 """The BOC(6,1) part of the B1C pilot lies 6.138 MHz beside the carrier, one lobe each way."""
 
@@ -57,6 +62,9 @@ class TrackingConfig(BaseModel):
         description="receive the B1C pilot's BOC(6,1) part too; unset = where the bandwidth allows",
     )
     combo: bool = Field(True, description="track B1I and B1C of a satellite jointly")
+    data_component: bool = Field(
+        False, description="correlate the B1C data component too, with the pilot's oscillators"
+    )
     reacquire: bool = Field(True, description="search for lost signals again, each second")
 
 
@@ -66,7 +74,8 @@ def track(
     config: TrackingConfig | None = None,
     *,
     threads: int | None = None,
-    block_s: float = 1.0,
+    block_s: float | None = None,
+    rows_in: Path | None = None,
     progress: Progress | None = None,
 ) -> TrackLog:
     """Track every detected acquisition from its sample to the end of the recording.
@@ -77,7 +86,10 @@ def track(
             must hold at the same sample.
         config: loop settings.
         threads: worker threads, all cores by default; the result does not depend on it.
-        block_s: signal fed to the core at a time; the result does not depend on it.
+        block_s: signal fed to the core at a time, 8 MB by default; the result does not depend on
+            it.
+        rows_in: folder for a temporary file that holds the rows, which the tracks then read when
+            they are asked for them; by default all rows are held in memory.
         progress: called with seconds done and seconds in all.
 
     Returns:
@@ -88,6 +100,7 @@ def track(
         ConfigError: a setting is out of range, or the acquisitions are of different samples.
         SignalError: the recording cannot hold a signal.
         RecordingError: the recording cannot be read.
+        OutputError: the rows cannot be written to ``rows_in``.
     """
     config = config or TrackingConfig()
     start, targets = _targets(acquisitions)
@@ -96,25 +109,36 @@ def track(
     for signal in sorted({a.signal for a in acquisitions if a.detected}):
         recording.check_signal(signal)
     tracker = _tracker(recording, targets, config, start, threads or os.cpu_count() or 1)
+    rows = RowStore(rows_in)
     rate = recording.format.sample_rate_hz
     partial = False
     try:
         for begin, count in _blocks(recording, start, block_s):
-            if config.reacquire and begin > start and _is_whole_second(recording, begin):
-                _reacquire(tracker, recording, begin, threads)
+            if begin > start and _is_whole_second(recording, begin):
+                _take_rows(tracker, rows)
+                if config.reacquire:
+                    _reacquire(tracker, recording, begin, threads)
             tracker.feed(recording.read_raw(begin, count))
             if progress:
                 progress((begin + count - start) / rate, (recording.sample_count - start) / rate)
     except KeyboardInterrupt:
         partial = True
+    _take_rows(tracker, rows)
     return TrackLog(
         recording=recording.path.name,
         sample_rate_hz=rate,
         duration_s=(tracker.position() - start) / rate,
         partial=partial,
-        signals=tuple(SignalTrack(**rows) for rows in tracker.signals()),
-        combos=tuple(ComboTrack(**rows) for rows in tracker.combos()),
+        signals=rows.tracks(SignalTrack),
+        combos=rows.tracks(ComboTrack),
     )
+
+
+def _take_rows(tracker: _core.Tracker, rows: RowStore) -> None:
+    """Move what was recorded since the last time out of the tracker."""
+    with held_back():  # rows that are out of the one must get into the other
+        rows.append(SignalTrack, tracker.take_signals())
+        rows.append(ComboTrack, tracker.take_combos())
 
 
 def _target(a: Acquisition) -> tuple[str, int, int, float, float]:
@@ -173,10 +197,11 @@ def _holds_qmboc(recording: Source) -> bool:
     return min(offset - low, high - offset) >= QMBOC_HALF_BANDWIDTH_HZ
 
 
-def _blocks(recording: Source, start: int, block_s: float) -> Iterator[tuple[int, int]]:
+def _blocks(recording: Source, start: int, block_s: float | None) -> Iterator[tuple[int, int]]:
     """(first sample, count) of the blocks; cut also at whole seconds of the recording."""
-    rate = recording.format.sample_rate_hz
-    size = max(8, round(block_s * rate) // 8 * 8)
+    form, rate = recording.format, recording.format.sample_rate_hz
+    size = BLOCK_BYTES * 8 // form.bits_per_sample if block_s is None else round(block_s * rate)
+    size = max(8, size // 8 * 8)
     begin = start
     while begin < recording.sample_count:
         second = _second(recording, int(begin / rate) + 1)

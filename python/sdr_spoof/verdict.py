@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import chain
+
+import numpy as np
 
 from sdr_spoof import _core, decision, detectors
 from sdr_spoof.detectors import DetectionConfig, StatisticSeries
 from sdr_spoof.detectors.band_attribution import disturbed_band
-from sdr_spoof.records import Alarm, ComboTrack, SatelliteVerdict, State, TrackLog, Verdict
+from sdr_spoof.records import Alarm, SatelliteVerdict, State, TrackLog, Verdict
 
 CLEAN, SPOOFED, NO_SUPPORT = "clean", "spoofed", "not enough support"
 
@@ -19,9 +24,10 @@ def detect(log: TrackLog, config: DetectionConfig | None = None) -> Verdict:
     configuration give the same verdict.
     """
     config = config or DetectionConfig()
-    by_satellite: dict[tuple[str, int], list[StatisticSeries]] = defaultdict(list)
+    by_satellite: dict[tuple[str, int], list[_Examined]] = defaultdict(list)
     for series in statistics(log, config):
-        by_satellite[series.system, series.prn].append(series)
+        by_satellite[series.system, series.prn].append(_examine(log, series, config))
+        del series  # before the next one is made: they are large
     satellites = tuple(
         _judge(log, system, prn, by_satellite[system, prn], config)
         for system, prn in satellites_in(log)
@@ -33,9 +39,10 @@ def detect(log: TrackLog, config: DetectionConfig | None = None) -> Verdict:
     )
 
 
-def statistics(log: TrackLog, config: DetectionConfig) -> list[StatisticSeries]:
-    """The series of all configured detectors, as the report draws them."""
-    return [s for name in config.detectors for s in detectors.find(name).statistics(log, config)]
+def statistics(log: TrackLog, config: DetectionConfig) -> Iterator[StatisticSeries]:
+    """The series of all configured detectors, one after the other, as the report draws them."""
+    chosen = [detectors.find(name) for name in config.detectors]
+    return chain.from_iterable(detector.statistics(log, config) for detector in chosen)
 
 
 def satellites_in(log: TrackLog) -> list[tuple[str, int]]:
@@ -56,39 +63,81 @@ def limits(config: DetectionConfig) -> str:
     return " ".join(["'Clean' means that the tests found nothing.", *parts])
 
 
+@dataclass(frozen=True)
+class _Examined:
+    """What one series says of a satellite."""
+
+    detector: str
+    alarm: Alarm | None
+    tests: int
+    tested_s: float
+    start_s: float
+    held_until_s: float
+    """Until when both bands were held; -inf for never."""
+    window_s: float
+    notes: tuple[str, ...]
+
+
+def _examine(log: TrackLog, series: StatisticSeries, config: DetectionConfig) -> _Examined:
+    return _Examined(
+        detector=series.detector,
+        alarm=_alarm(log, series, config),
+        tests=series.time_s.size,
+        tested_s=series.tested_s(),
+        start_s=float(np.min(series.trace_time_s, initial=np.inf)),
+        held_until_s=float(np.max(series.trace_time_s[series.trace_segment >= 0], initial=-np.inf)),
+        window_s=series.window_s,
+        notes=series.notes,
+    )
+
+
 def _judge(
-    log: TrackLog, system: str, prn: int, series: list[StatisticSeries], config: DetectionConfig
+    log: TrackLog, system: str, prn: int, examined: Sequence[_Examined], config: DetectionConfig
 ) -> SatelliteVerdict:
-    alarms = tuple(a for s in series if (a := _alarm(log, s, config)) is not None)
-    tested_s = max((s.tested_s() for s in series if s.time_s.size), default=0.0)
-    notes = "; ".join(note for s in series for note in (*s.notes, *_ended_early(log, s)))
+    by_detector: dict[str, list[_Examined]] = defaultdict(list)
+    for e in examined:
+        by_detector[e.detector].append(e)
+    # The first alarm of a detector stays.
+    found = (next((e.alarm for e in es if e.alarm), None) for es in by_detector.values())
+    alarms = tuple(alarm for alarm in found if alarm is not None)
+    tested_s = max((sum(e.tested_s for e in es) for es in by_detector.values()), default=0.0)
+    notes = "; ".join(note for es in by_detector.values() for note in _notes(log, es))
     if alarms:
         verdict, reason = SPOOFED, _spoofed_reason(alarms[0])
     elif tested_s >= config.min_tested_s:
-        count = sum(s.time_s.size for s in series)
+        count = sum(e.tests for e in examined)
         verdict = CLEAN
         reason = (
             f"{tested_s:.1f} s tested in {count} overlapping windows, none beyond the threshold"
         )
+    elif examined:
+        verdict = NO_SUPPORT
+        reason = f"only {tested_s:.1f} s could be tested, {config.min_tested_s:g} s are needed"
     else:
-        verdict, reason = NO_SUPPORT, _no_support_reason(log, system, prn, series, tested_s, config)
+        verdict, reason = NO_SUPPORT, _untested_reason(log, system, prn)
     return SatelliteVerdict(prn, verdict, alarms, f"{reason}; {notes}" if notes else reason, system)
 
 
-def _ended_early(log: TrackLog, series: StatisticSeries) -> tuple[str, ...]:
-    """A note where a band was lost for good, as by a strong attack with a carrier of its own."""
-    used_s = series.trace_time_s[series.trace_segment >= 0]
-    if used_s.size == 0 or used_s[-1] >= log.duration_s - series.window_s:
-        return ()
-    return (f"both bands were held together only until {used_s[-1]:.2f} of {log.duration_s:.2f} s",)
+def _notes(log: TrackLog, examined: Sequence[_Examined]) -> Iterator[str]:
+    """What one detector notes of all sections of a satellite's track."""
+    for e in examined:
+        for note in e.notes:
+            yield note if len(examined) == 1 else f"from {e.start_s:.0f} s on {note}"
+    # A band was lost for good, as by a strong attack with a carrier of its own.
+    until_s = max(e.held_until_s for e in examined)
+    if -np.inf < until_s < log.duration_s - examined[0].window_s:
+        yield f"both bands were held together only until {until_s:.2f} of {log.duration_s:.2f} s"
 
 
 def _alarm(log: TrackLog, series: StatisticSeries, config: DetectionConfig) -> Alarm | None:
     decided = decision.find(config.rule)(series, config)
     if decided is None:
         return None
-    track = _combo(log, series.prn)
-    band = disturbed_band(track, decided.onset_s, decided.alarm_s, config) if track else None
+    track = next((c for c in log.combos if c.prn == series.prn), None)
+    band = None
+    if track is not None:
+        near = track.between(decided.onset_s - config.attribution_fit_s, decided.alarm_s)
+        band = disturbed_band(near, decided.onset_s, decided.alarm_s, config)
     return Alarm(
         prn=series.prn,
         detector=series.detector,
@@ -103,10 +152,6 @@ def _alarm(log: TrackLog, series: StatisticSeries, config: DetectionConfig) -> A
     )
 
 
-def _combo(log: TrackLog, prn: int) -> ComboTrack | None:
-    return next((c for c in log.combos if c.prn == prn), None)
-
-
 def _spoofed_reason(alarm: Alarm) -> str:
     if alarm.band:
         what = f"the carrier of {_composite(alarm.band)} left its course at {alarm.onset_s:.2f} s"
@@ -119,16 +164,7 @@ def _spoofed_reason(alarm: Alarm) -> str:
     )
 
 
-def _no_support_reason(
-    log: TrackLog,
-    system: str,
-    prn: int,
-    series: list[StatisticSeries],
-    tested_s: float,
-    config: DetectionConfig,
-) -> str:
-    if series:
-        return f"only {tested_s:.1f} s could be tested, {config.min_tested_s:g} s are needed"
+def _untested_reason(log: TrackLog, system: str, prn: int) -> str:
     held = [
         t.signal
         for t in log.signals

@@ -130,6 +130,7 @@ def sideband(combo: ComboTrack, signal: str, *, seed=2) -> SignalTrack:
         cn0_dbhz=cn0,
         phase_lock=np.full(time.size, 0.98),
         taps=taps.astype(np.complex64),
+        data_prompt=np.zeros(time.size, np.complex64),
     )
 
 

@@ -6,11 +6,11 @@ from simulated_tracks import Attack, Satellite, simulate_combo, simulate_log
 
 from sdr_spoof import decision
 from sdr_spoof.decision.onset import change_point
-from sdr_spoof.detectors import DetectionConfig
+from sdr_spoof.detectors import DetectionConfig, windows
 from sdr_spoof.detectors.phase_difference_rate import statistic
 from sdr_spoof.errors import ConfigError
 from sdr_spoof.records import State
-from sdr_spoof.verdict import detect
+from sdr_spoof.verdict import detect, statistics
 
 
 def only_alarm(verdict):
@@ -133,6 +133,34 @@ def test_change_point_is_the_brute_force_least_squares(at, jump):
             for k in rows
         ]
     assert change_point(time, values) == rows[int(np.argmin(brute))]
+
+
+@pytest.mark.parametrize("start_s", [6.95, 7.05, 7.9, 13.5])
+def test_a_long_track_is_tested_in_sections_like_a_whole(monkeypatch, start_s):
+    satellites = [
+        Satellite(23, attack=Attack(start_s=start_s, drag_hz=0.5)),
+        Satellite(24, lost=(6.5, 7.2), slips={14.02: ("B1I", 0.5)}),
+        Satellite(25),
+    ]
+    log = simulate_log(*satellites)
+    verdict, whole = detect(log), list(statistics(log, DetectionConfig()))
+    monkeypatch.setattr(windows, "SECTION_EPOCHS", 700)
+    in_sections = list(statistics(log, DetectionConfig()))
+    assert len(in_sections) == 9
+    for k, one in enumerate(whole):
+        parts = in_sections[3 * k : 3 * k + 3]
+        np.testing.assert_array_equal(np.concatenate([p.time_s for p in parts]), one.time_s)
+        # The slips of a section are repaired by themselves: the phase differs, its slope does not.
+        np.testing.assert_allclose(np.concatenate([p.value for p in parts]), one.value, atol=1e-9)
+    again = detect(log)
+    assert [s.verdict for s in again.satellites] == [s.verdict for s in verdict.satellites]
+    a, b = only_alarm(again), only_alarm(verdict)
+    assert (a.alarm_s, a.band) == (b.alarm_s, b.band)
+    assert a.onset_s == pytest.approx(b.onset_s, abs=0.03)
+    reasons = {s.prn: s.reason for s in again.satellites}
+    assert "s on tracking in 2 pieces" in reasons[24]
+    assert "1 cycle slip(s) repaired" in reasons[24]
+    assert "held together only" not in reasons[25]
 
 
 def test_one_band_only_is_not_enough_support():

@@ -37,6 +37,28 @@ from test_hdf5 import make_result
 from sdr_spoof.sinks.hdf5 import write_result
 write_result(sys.argv[1], make_result())
 """
+FILL = """
+import resource, signal, sys
+from pathlib import Path
+sys.path.insert(0, sys.argv[2])
+from test_hdf5 import make_result
+from sdr_spoof.errors import OutputError
+from sdr_spoof.sinks.hdf5 import write_result
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+path, result = Path(sys.argv[1]), make_result()
+write_result(path, result)
+whole = path.read_bytes()
+for limit in range(0, len(whole), 1777):
+    resource.setrlimit(resource.RLIMIT_FSIZE, (limit, resource.RLIM_INFINITY))
+    try:
+        write_result(path, result, force=True)
+    except OutputError as error:
+        assert "cannot be written" in str(error)
+    else:
+        raise SystemExit(f"written within {limit} bytes")
+    assert [path] == list(path.parent.iterdir())
+    assert path.read_bytes() == whole
+"""
 
 
 def filled(kind: type, n: int, **given: Any) -> Any:
@@ -176,6 +198,13 @@ def test_full_disk_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.undo()
     assert path.read_text() == "mine"
     assert [p.name for p in tmp_path.iterdir()] == ["r.h5"]
+
+
+def test_disk_that_fills_up_at_any_byte(tmp_path: Path) -> None:
+    """HDF5 crashes the process, in the end, where one of its own writes fails."""
+    command = [sys.executable, "-c", FILL, str(tmp_path / "r.h5"), str(Path(__file__).parent)]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (result.returncode, result.stderr) == (0, "")
 
 
 def test_full_device() -> None:

@@ -16,6 +16,7 @@ from sdr_spoof.detectors import DetectionConfig
 from sdr_spoof.errors import OutputError
 from sdr_spoof.records import Acquisition
 from sdr_spoof.report import TruthMark, estimate_spectrum, print_verdict, write_report
+from sdr_spoof.report.figures import style
 from sdr_spoof.report.figures.satellite import code_minus_carrier_m, correlation_shape
 from sdr_spoof.report.words import headline
 from sdr_spoof.verdict import detect
@@ -164,6 +165,22 @@ def test_detail_numbers():
     # The simulated code follows the carrier: what is left is its noise, 0.003 chip of 293 m.
     assert np.std(code_minus_carrier_m(track, held)) == pytest.approx(0.88, rel=0.2)
     np.testing.assert_allclose(correlation_shape(track, held), [0.5, 0.75, 1, 0.75, 0.5], atol=0.01)
+
+
+def test_long_lines_keep_their_extremes_and_gaps():
+    time = np.arange(100_000.0)
+    values = np.sin(time / 1e4)
+    values[[33_333, 66_666]] = 9.0, -9.0
+    values[50_000:50_100] = np.nan
+    x, y = style.thinned(time, values)
+    assert x.size < 1.6 * style.MOST_POINTS
+    assert (np.diff(x) > 0).all()
+    np.testing.assert_array_equal(y, values[x.astype(int)])
+    assert (np.nanmax(y), np.nanmin(y)) == (9.0, -9.0)
+    assert np.isnan(y[(x >= 50_000) & (x < 50_100)]).any()
+    assert np.isfinite(y[(x < 50_000) | (x >= 50_100)]).all()
+    short = style.thinned(time[:4000], values[:4000])
+    np.testing.assert_array_equal(short, (time[:4000], values[:4000]))
 
 
 def printed(verdict):

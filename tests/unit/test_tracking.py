@@ -10,6 +10,7 @@ from sdr_spoof import _core
 from sdr_spoof.acquisition import AcquisitionConfig, acquire
 from sdr_spoof.errors import ConfigError
 from sdr_spoof.records import Acquisition, State
+from sdr_spoof.sinks.hdf5 import Result, write_result
 from sdr_spoof.sources import RecordingFormat, open_recording
 from sdr_spoof.studies import tracking as study
 from sdr_spoof.tracking import TrackingConfig, track
@@ -91,6 +92,17 @@ def test_blocks_and_threads_do_not_matter(recording, log, block_s, threads):
     assert len(other.signals) == 4
     for a, b in zip((*log.signals, *log.combos), (*other.signals, *other.combos), strict=True):
         same(a, b)
+
+
+def test_the_result_file_is_the_same_for_rows_in_memory_or_in_a_file(recording, log, tmp_path):
+    source, found = recording
+    kept = track(source, found, threads=2, block_s=0.0073, rows_in=tmp_path)
+    assert list(tmp_path.iterdir()) == []  # the file has no name
+    results = []
+    for name, case in (("memory", log), ("file", kept)):
+        write_result(tmp_path / name, Result("x", source.format, {}, tuple(found), case))
+        results.append((tmp_path / name).read_bytes())
+    assert results[0] == results[1]
 
 
 def test_both_sidebands_join_and_agree(log):

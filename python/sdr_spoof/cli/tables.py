@@ -55,16 +55,17 @@ def tracks(signals: Sequence[SignalTrack]) -> Table:
 
 
 def _track_row(track: SignalTrack) -> tuple[str, ...]:
-    head = (track.signal, str(track.prn), str(track.time_s.size))
-    if not track.time_s.size:
+    head = (track.signal, str(track.prn), str(track.epochs))
+    if not track.epochs:
         return (*head, "-", "-", "-", "-", "-")
+    last = track.part(track.epochs - 1, track.epochs)
     return (
         *head,
-        f"{track.time_s[-1]:.3f}",
-        f"{track.cn0_dbhz[-1]:.1f}",
-        f"{track.doppler_hz[-1]:+.1f}",
-        f"{track.phase_lock[-1]:.2f}",
-        State(int(track.state[-1])).name.lower(),
+        f"{last.time_s[0]:.3f}",
+        f"{last.cn0_dbhz[0]:.1f}",
+        f"{last.doppler_hz[0]:+.1f}",
+        f"{last.phase_lock[0]:.2f}",
+        State(int(last.state[0])).name.lower(),
     )
 
 

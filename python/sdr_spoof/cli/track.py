@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tempfile
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from sdr_spoof import config
@@ -42,6 +44,7 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
         options.prns_from(arguments),
         arguments.threads,
         ui.stages,
+        rows_in=arguments.output.parent if arguments.output else Path(tempfile.gettempdir()),
     )
     if arguments.output is not None:
         result = Result.of(recording, settings, acquisitions=found, log=log)
@@ -61,7 +64,7 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
         "duration_s": log.duration_s,
         "partial": log.partial,
         "tracks": [_summary(t) for t in log.signals],
-        "combos": [{"prn": c.prn, "epochs": c.time_s.size} for c in log.combos],
+        "combos": [{"prn": c.prn, "epochs": c.epochs} for c in log.combos],
         "output": arguments.output,
     }
     return Outcome(data, render, INTERRUPTED if log.partial else 0)
@@ -72,17 +75,18 @@ def _summary(track: SignalTrack) -> dict[str, Any]:
     summary: dict[str, Any] = {
         "signal": track.signal,
         "prn": track.prn,
-        "epochs": track.time_s.size,
+        "epochs": track.epochs,
     }
-    if track.time_s.size:
+    if track.epochs:
+        last = track.part(track.epochs - 1, track.epochs)
         summary |= {
-            "time_s": track.time_s[-1],
-            "state": State(int(track.state[-1])),
-            "cn0_dbhz": track.cn0_dbhz[-1],
-            "doppler_hz": track.doppler_hz[-1],
-            "code_phase_chips": track.code_phase_chips[-1],
-            "carrier_phase_cycles": track.carrier_phase_cycles[-1],
-            "phase_lock": track.phase_lock[-1],
+            "time_s": last.time_s[0],
+            "state": State(int(last.state[0])),
+            "cn0_dbhz": last.cn0_dbhz[0],
+            "doppler_hz": last.doppler_hz[0],
+            "code_phase_chips": last.code_phase_chips[0],
+            "carrier_phase_cycles": last.carrier_phase_cycles[0],
+            "phase_lock": last.phase_lock[0],
         }
     return summary
 

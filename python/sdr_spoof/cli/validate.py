@@ -17,7 +17,11 @@ if TYPE_CHECKING:
 
     from .ui import Ui
 
-STUDIES = {"acquisition": "acquisition.json", "tracking": "tracking_jitter.json"}
+STUDIES = {
+    "acquisition": "acquisition.json",
+    "tracking": "tracking_jitter.json",
+    "speed": "speed.json",
+}
 """Name of a study, and the file that it writes last."""
 
 
@@ -68,6 +72,10 @@ def _study(arguments: argparse.Namespace, folder: Path, progress: Any) -> dict[s
             threads=arguments.threads or 2,
             progress=progress,
         )
+    if arguments.study == "speed":
+        from sdr_spoof.studies import speed  # noqa: PLC0415
+
+        return speed.run(folder, repeats=max(3, round(25 * share)), progress=progress)
     from sdr_spoof.studies import tracking  # noqa: PLC0415
 
     duration_s = max(6.0, 30.0 * share)

@@ -6,7 +6,7 @@ for the rules of :mod:`sdr_spoof.decision` to say.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from sdr_spoof.detectors import phase_difference_rate
@@ -28,7 +28,8 @@ class Detector:
     """What is tested, in words for the report."""
     blind_to: str
     """What it cannot see, in words for the report."""
-    statistics: Callable[[TrackLog, DetectionConfig], list[StatisticSeries]]
+    statistics: Callable[[TrackLog, DetectionConfig], Iterator[StatisticSeries]]
+    """Series after series, so that no more than one need be in memory."""
 
 
 DETECTORS: dict[str, Detector] = {

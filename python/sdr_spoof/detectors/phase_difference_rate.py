@@ -13,6 +13,7 @@ uses the wider law of the published loop model instead, see :mod:`.combo_model`.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,7 +25,13 @@ from sdr_spoof.detectors.config import DetectionConfig
 from sdr_spoof.detectors.presence import present
 from sdr_spoof.detectors.series import StatisticSeries
 from sdr_spoof.detectors.slips import repair_slips
-from sdr_spoof.detectors.windows import segments, sliding_mean, sliding_slope, slope_sigma
+from sdr_spoof.detectors.windows import (
+    sections,
+    segments,
+    sliding_mean,
+    sliding_slope,
+    slope_sigma,
+)
 from sdr_spoof.records import ComboTrack, State, TrackLog
 
 NAME = "phase_difference_rate"
@@ -43,24 +50,35 @@ class Difference:
     slips: int
 
 
-def statistics(log: TrackLog, config: DetectionConfig) -> list[StatisticSeries]:
-    """The statistic of every satellite that is tracked in both bands."""
-    return [
-        statistic(track, config, present(log, track, config.min_cn0_dbhz)) for track in log.combos
-    ]
+def statistics(log: TrackLog, config: DetectionConfig) -> Iterator[StatisticSeries]:
+    """The statistic of every satellite that is tracked in both bands, section by section."""
+    lead_s = config.settle_s + config.window_s + config.onset_lookback_s
+    for track in log.combos:
+        for first, stop, lead in sections(track, lead_s):
+            yield _of_section(log, track.part(first, stop), lead, config)
+
+
+def _of_section(
+    log: TrackLog, part: ComboTrack, lead: int, config: DetectionConfig
+) -> StatisticSeries:
+    return statistic(part, config, present(log, part, config.min_cn0_dbhz), lead)
 
 
 def statistic(
-    track: ComboTrack, config: DetectionConfig, there: NDArray[np.bool_] | None = None
+    track: ComboTrack,
+    config: DetectionConfig,
+    there: NDArray[np.bool_] | None = None,
+    lead: int = 0,
 ) -> StatisticSeries:
     """Slope of the carrier-scaled phase difference over a sliding window, with its law.
 
-    Rows that are not ``there``, shape (M,), had no signal and are left out.
+    Rows that are not ``there``, shape (M,), had no signal and are left out. Windows that end
+    within the first ``lead`` rows are those of the section before and not tested again.
     """
     difference = scaled_difference(track, config, there)
     rows = max(round(config.window_s / difference.epoch_s), 3)
     parts = [
-        _tests_in_piece(track, difference, number, piece, rows, config)
+        _tests_in_piece(track, difference, number, piece, rows, lead, config)
         for number, piece in enumerate(difference.pieces)
         if piece.stop - piece.start >= rows
     ]
@@ -182,6 +200,7 @@ def _tests_in_piece(
     number: int,
     piece: slice,
     rows: int,
+    lead: int,
     config: DetectionConfig,
 ) -> NDArray[np.float64]:
     """Columns time, slope, sigma, thermal sigma, piece number of the supported windows."""
@@ -197,6 +216,7 @@ def _tests_in_piece(
             published_sigma_hz(upper, lower, difference.carrier_ratio, config), thermal
         )
     supported = np.minimum(upper, lower) >= 10.0 ** (config.min_cn0_dbhz / 10.0)
+    supported &= np.arange(piece.start + rows - 1, piece.stop) >= lead
     table = np.vstack([end, slope, sigma, thermal, np.full(end.size, float(number))])
     return np.asarray(table[:, supported])
 

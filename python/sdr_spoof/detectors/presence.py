@@ -31,11 +31,12 @@ def present(log: TrackLog, combo: ComboTrack, min_cn0_dbhz: float) -> NDArray[np
 
     A signal whose own track is not in the log, or has no noise tap, counts as there.
     """
-    there = np.ones(combo.time_s.size, dtype=np.bool_)
-    for track in log.signals:
-        if track.prn == combo.prn and track.signal in (combo.lower, combo.upper):
+    there = np.ones(combo.epochs, dtype=np.bool_)
+    for whole in log.signals if combo.epochs else ():
+        if whole.prn == combo.prn and whole.signal in (combo.lower, combo.upper):
+            track = whole.between(combo.time_s[0] - NOISE_S, combo.time_s[-1] + NOISE_S)
             rows = np.searchsorted(track.time_s, combo.time_s - 0.5 * combo.integration_s)
-            rows = np.minimum(rows, track.time_s.size - 1)
+            rows = np.minimum(rows, track.epochs - 1)
             there &= ~empty(track, min_cn0_dbhz - BELOW_DB)[rows]
     return there
 

@@ -14,7 +14,7 @@ LOG10_P_FLOOR = -30.0
 
 @dataclass(frozen=True)
 class StatisticSeries:
-    """One detector's statistic on one satellite; H0: value ~ N(0, sigma^2).
+    """One detector's statistic on one satellite, or on a section of it; H0: value ~ N(0, sigma^2).
 
     Rows are tests, N in all; ``time_s`` is the *end* of the signal that a row has used. The trace
     is the measurement under the statistic, M rows, in which a rule may look for the onset.
@@ -40,6 +40,10 @@ class StatisticSeries:
     """Piece of tracking of each trace row, -1 where the row is not used, shape (M,)."""
     notes: tuple[str, ...]
     """In words: what limited the support, what was repaired."""
+
+    def covers(self, time_s: float) -> bool:
+        """Whether one of its tests may have this time: the sections of a track do not overlap."""
+        return bool(self.time_s.size) and bool(self.time_s[0] <= time_s <= self.time_s[-1])
 
     def tested_s(self) -> float:
         """Length of signal that entered at least one test, in s."""

@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 
-from sdr_spoof.detectors import DetectionConfig, StatisticSeries
+from sdr_spoof.detectors import DetectionConfig
 from sdr_spoof.errors import OutputError
 from sdr_spoof.records import Acquisition, Alarm, SatelliteVerdict, TrackLog, Verdict
 from sdr_spoof.report import words
-from sdr_spoof.report.figures.difference import TruthMark, draw_difference, draw_margins
+from sdr_spoof.report.figures.difference import Margin, TruthMark, draw_difference, draw_margins
 from sdr_spoof.report.figures.satellite import draw_satellite
 from sdr_spoof.report.figures.signals import draw_acquisition, draw_cn0
 from sdr_spoof.report.figures.spectrum import draw_spectrum
 from sdr_spoof.report.spectrum import RecordingLike, estimate_spectrum
-from sdr_spoof.sinks.atomic import write_bytes
+from sdr_spoof.sinks.atomic import replacing
 from sdr_spoof.verdict import NO_SUPPORT, SPOOFED, statistics, system_of
 
 MARKS = {SPOOFED: "✖", "clean": "✔", NO_SUPPORT: "–"}
@@ -48,46 +49,14 @@ def write_report(
     path = Path(path)
     if path.exists() and not force:
         raise OutputError(f"{path}: exists already; add --force to replace it")
-    html = render_report(
-        recording=recording,
-        acquisitions=acquisitions,
-        log=log,
-        verdict=verdict,
-        detection=detection,
-        effective_config=effective_config,
-        truth=truth,
-    )
-    write_bytes(path, html.encode("utf-8"), force=force)
-    return path
-
-
-def render_report(
-    *,
-    recording: RecordingLike | None,
-    acquisitions: Sequence[Acquisition],
-    log: TrackLog,
-    verdict: Verdict,
-    detection: DetectionConfig,
-    effective_config: Mapping[str, object] | None,
-    truth: TruthMark | None,
-) -> str:
-    """The report as one HTML string."""
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent / "templates"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    series = {(s.system, s.prn): s for s in statistics(log, detection)}
     ordered = words.ordered(verdict)
+    tests = _draw_tests(log, ordered, detection, truth)
     hit = [(s.system, s.prn) for s in ordered if s.verdict == SPOOFED]
     signals = list(
         dict.fromkeys([t.signal for t in log.signals] or [a.signal for a in acquisitions])
     )
-    tested = [s for s in series.values() if s.time_s.size]
     spectrum = estimate_spectrum(recording) if recording is not None else None
-    return environment.get_template("report.html.j2").render(
+    content = _template().stream(
         words=words,
         verdict=verdict,
         level=words.level(verdict),
@@ -102,27 +71,63 @@ def render_report(
         spectrum=spectrum,
         spectrum_figure=draw_spectrum(spectrum, signals) if spectrum is not None else None,
         cn0_figure=draw_cn0(log, hit) if log.signals else None,
-        margins_figure=draw_margins([(s, detection) for s in tested], hit) if tested else None,
-        key_figures=list(_key_figures(ordered, series, detection, truth)),
-        details=list(_details(ordered[:MOST_DETAILS], log, series, detection, truth)),
+        margins_figure=draw_margins([*tests.margins.values()], hit) if tests.margins else None,
+        key_figures=[(a, tests.alarms[a]) for s in ordered for a in s.alarms],
+        details=list(_details(ordered[:MOST_DETAILS], log, tests.quiet)),
         left_out=[words.satellite_name(s.system, s.prn) for s in ordered[MOST_DETAILS:]],
         config=list(flatten(effective_config or {"detection": detection.model_dump()})),
         versions=[(name, version(name)) for name in LIBRARIES]
         + [("Python", platform.python_version())],
     )
+    with replacing(path, force=force) as temporary:
+        content.dump(str(temporary), encoding="utf-8")  # never in one string: it has megabytes
+    return path
 
 
-def _key_figures(
+def _template() -> Template:
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent / "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template("report.html.j2")
+
+
+@dataclass
+class _Tests:
+    """Pictures of what was tested."""
+
+    margins: dict[tuple[str, int], Margin] = field(default_factory=dict)
+    alarms: dict[Alarm, str] = field(default_factory=dict)
+    quiet: dict[tuple[str, int], str] = field(default_factory=dict)
+    """Of satellites without an alarm: the section that came closest to the threshold."""
+
+
+def _draw_tests(
+    log: TrackLog,
     satellites: Sequence[SatelliteVerdict],
-    series: Mapping[tuple[str, int], StatisticSeries],
     config: DetectionConfig,
     truth: TruthMark | None,
-) -> Iterator[tuple[Alarm, str]]:
-    for satellite in satellites:
-        key = satellite.system, satellite.prn
-        for alarm in satellite.alarms:
+) -> _Tests:
+    verdicts = {(s.system, s.prn): s for s in satellites}
+    detailed = {(s.system, s.prn) for s in satellites[:MOST_DETAILS]}
+    drawn = _Tests()
+    for series in statistics(log, config):
+        if series.time_s.size:
+            key = series.system, series.prn
             mark = truth if _concerns(truth, *key) else None
-            yield alarm, draw_difference(series[key], config, alarm, mark)
+            for alarm in verdicts[key].alarms:
+                if alarm.detector == series.detector and series.covers(alarm.alarm_s):
+                    drawn.alarms[alarm] = draw_difference(series, config, alarm, mark)
+            margin = Margin.of(series, config)
+            if key not in drawn.margins or margin.of_threshold > drawn.margins[key].of_threshold:
+                drawn.margins[key] = margin
+                if not verdicts[key].alarms and key in detailed:
+                    drawn.quiet[key] = draw_difference(series, config, None, mark)
+        del series  # before the next one is made: they are large
+    return drawn
 
 
 def _concerns(truth: TruthMark | None, system: str, prn: int) -> bool:
@@ -132,20 +137,14 @@ def _concerns(truth: TruthMark | None, system: str, prn: int) -> bool:
 def _details(
     satellites: Sequence[SatelliteVerdict],
     log: TrackLog,
-    series: Mapping[tuple[str, int], StatisticSeries],
-    config: DetectionConfig,
-    truth: TruthMark | None,
+    differences: Mapping[tuple[str, int], str],
 ) -> Iterator[tuple[SatelliteVerdict, str, str | None]]:
     """(satellite, small multiples, its difference figure unless shown above)."""
     for satellite in satellites:
         key = satellite.system, satellite.prn
         tracks = [t for t in log.signals if (system_of(t.signal), t.prn) == key]
         onset_s = min((a.onset_s for a in satellite.alarms), default=None)
-        difference = None
-        if not satellite.alarms and key in series and series[key].time_s.size:
-            mark = truth if _concerns(truth, *key) else None
-            difference = draw_difference(series[key], config, None, mark)
-        yield satellite, draw_satellite(tracks, onset_s, log.duration_s), difference
+        yield satellite, draw_satellite(tracks, onset_s, log.duration_s), differences.get(key)
 
 
 def flatten(config: Mapping[str, object], prefix: str = "") -> Iterator[tuple[str, str]]:

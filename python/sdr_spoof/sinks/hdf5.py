@@ -9,7 +9,6 @@ Layout: ``/`` holds ``partial`` and ``format_version``; ``/recording`` the forma
 
 from __future__ import annotations
 
-import io
 import json
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,6 +28,7 @@ from sdr_spoof.sources import RecordingFormat
 
 from . import hdf5_records as records
 from .atomic import replacing
+from .hdf5_file import new_file
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -38,8 +38,6 @@ if TYPE_CHECKING:
     from sdr_spoof.sources import Recording
 
 _VERSION = 1
-_LIBVER = ("v110", "v110")
-"""Fixed, so that a newer HDF5 library writes the same bytes."""
 
 
 @dataclass(frozen=True)
@@ -81,12 +79,8 @@ def write_result(path: Path | str, result: Result, *, force: bool = False) -> No
     Raises:
         OutputError: it exists and ``force`` is not set, or it cannot be written (disk full).
     """
-    # HDF5 crashes the process where a write to disk fails, so the file is made in memory.
-    image = io.BytesIO()
-    with h5py.File(image, "w", libver=_LIBVER) as file:
+    with replacing(Path(path), force=force) as temporary, new_file(temporary) as file:
         _write(file, result)
-    with replacing(Path(path), force=force) as temporary, temporary.open("wb") as out:
-        out.write(image.getbuffer())
 
 
 def read_result(path: Path | str) -> Result:
@@ -128,10 +122,10 @@ def _write_log(file: h5py.File, log: TrackLog) -> None:
     # In the order of the log, not of the names.
     tracks = file.create_group("tracks", track_order=True)
     for track in log.signals:
-        records.write_record(tracks.create_group(f"{track.signal}_{track.prn:03d}"), track)
+        records.write_track(tracks.create_group(f"{track.signal}_{track.prn:03d}"), track)
     combos = file.create_group("combos", track_order=True)
     for combo in log.combos:
-        records.write_record(combos.create_group(f"{combo.prn:03d}"), combo)
+        records.write_track(combos.create_group(f"{combo.prn:03d}"), combo)
 
 
 def _read(file: h5py.File) -> Result:
@@ -153,6 +147,6 @@ def _read_log(file: h5py.File) -> TrackLog:
         sample_rate_hz=float(group["sample_rate_hz"][()]),
         duration_s=float(group["duration_s"][()]),
         partial=bool(file.attrs["partial"]),
-        signals=tuple(records.read_record(g, SignalTrack) for g in file["tracks"].values()),
-        combos=tuple(records.read_record(g, ComboTrack) for g in file["combos"].values()),
+        signals=tuple(records.read_track(g, SignalTrack) for g in file["tracks"].values()),
+        combos=tuple(records.read_track(g, ComboTrack) for g in file["combos"].values()),
     )

@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import h5py
 import numpy as np
 
-from sdr_spoof.records import Alarm, SatelliteVerdict, Verdict
+from sdr_spoof.records import Alarm, SatelliteVerdict, Track, Verdict
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 Record = TypeVar("Record")
+AnyTrack = TypeVar("AnyTrack", bound=Track)
 
 UNITS = {
     "_dbhz": "dB-Hz",
@@ -36,8 +37,13 @@ def unit_of(name: str) -> str:
 
 def write_array(group: h5py.Group, name: str, value: Any) -> None:
     """Write numbers with their unit."""
-    dataset = group.create_dataset(name, data=value, track_times=False)
+    _create(group, name, data=value)
+
+
+def _create(group: h5py.Group, name: str, **content: Any) -> h5py.Dataset:
+    dataset = group.create_dataset(name, **content, track_times=False)
     dataset.attrs["units"] = unit_of(name)
+    return dataset
 
 
 def write_text(group: h5py.Group, name: str, text: str | Sequence[str]) -> None:
@@ -53,20 +59,29 @@ def read_text(dataset: h5py.Dataset) -> str:
     return bytes(dataset[()]).decode("utf-8")
 
 
-def write_record(group: h5py.Group, record: Any) -> None:
-    """Write a record of arrays, numbers and texts."""
-    for field in dataclasses.fields(record):
-        value = getattr(record, field.name)
+def write_track(group: h5py.Group, track: Track) -> None:
+    """Write a track part by part, so that it need not be in memory."""
+    like = track.part(0, 0)
+    columns = {}
+    for field in dataclasses.fields(track):
+        value = getattr(like, field.name)
         if isinstance(value, str):
             write_text(group, field.name, value)
+        elif field.name in track.columns():
+            shape = (track.epochs, *value.shape[1:])
+            columns[field.name] = _create(group, field.name, shape=shape, dtype=value.dtype)
         else:
             write_array(group, field.name, value)
+    at = 0
+    for part in track.parts():
+        for name, dataset in columns.items():
+            dataset[at : at + part.epochs] = getattr(part, name)
+        at += part.epochs
 
 
-def read_record(group: h5py.Group, kind: type[Record]) -> Record:
-    """Read what :func:`write_record` wrote."""
-    fields = dataclasses.fields(kind)  # type: ignore[arg-type]  # every record is a dataclass
-    return kind(**{f.name: _scalar_or_array(group[f.name]) for f in fields})
+def read_track(group: h5py.Group, kind: type[AnyTrack]) -> AnyTrack:
+    """Read what :func:`write_track` wrote."""
+    return kind(**{f.name: _scalar_or_array(group[f.name]) for f in dataclasses.fields(kind)})
 
 
 def write_rows(group: h5py.Group, kind: type, rows: Sequence[Any]) -> None:

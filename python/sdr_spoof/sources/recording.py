@@ -1,12 +1,19 @@
-"""A recording on disk, mapped into memory piece by piece, never read whole."""
+"""A recording on disk, read piece by piece, never whole.
+
+Plain reads: a file mapped into memory would be as fast, but its pages count as the process's
+memory, and where the disk fails, a map ends the process instead of raising an error.
+"""
 
 from __future__ import annotations
 
+import os
+import weakref
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sdr_spoof.errors import RecordingError, SignalError
+from sdr_spoof.raw_files import read_all
 from sdr_spoof.signals import signal_ids, signal_spec
 
 if TYPE_CHECKING:
@@ -30,7 +37,7 @@ class Recording:
     def __init__(
         self, path: Path, format: RecordingFormat, extra: dict[str, object] | None = None
     ) -> None:
-        """Map the file.
+        """Open the file.
 
         Raises:
             RecordingError: missing, not a file, empty, or not a whole number of samples.
@@ -43,7 +50,10 @@ class Recording:
         size = path.stat().st_size - format.offset_bytes
         _check_size(path, size, format)
         self.sample_count = size * 8 // self._bits
-        self._bytes = np.memmap(path, np.uint8, "r", offset=format.offset_bytes).view(np.ndarray)
+        self._file = path.open("rb", buffering=0)
+        weakref.finalize(self, self._file.close)
+        if hasattr(os, "posix_fadvise"):
+            os.posix_fadvise(self._file.fileno(), 0, 0, os.POSIX_FADV_SEQUENTIAL)
 
     @property
     def duration_s(self) -> float:
@@ -51,11 +61,12 @@ class Recording:
         return self.sample_count / self.format.sample_rate_hz
 
     def read_raw(self, start: int, count: int) -> NDArray[np.uint8]:
-        """Bytes of ``count`` samples from sample ``start``: a view, shape (bytes,).
+        """Bytes of ``count`` samples from sample ``start``, shape (bytes,).
 
         Fewer at the end of the file, none beyond it.
 
         Raises:
+            RecordingError: the disk fails, or the file has become shorter.
             ValueError: if ``start`` is negative or not on a byte (2-bit formats), or ``count``
                 is negative.
         """
@@ -64,7 +75,14 @@ class Recording:
         if start * self._bits % 8:
             raise ValueError(f"sample {start} of {self.format.sample_format} starts inside a byte")
         stop = min(start + count, self.sample_count)
-        return self._bytes[start * self._bits // 8 : -(-stop * self._bits // 8)]
+        first = start * self._bits // 8
+        raw = np.empty(max(0, -(-stop * self._bits // 8) - first), np.uint8)
+        try:
+            self._file.seek(self.format.offset_bytes + first)
+            read_all(self._file, raw.data)
+        except OSError as error:
+            raise RecordingError(f"{self.path}: cannot be read: {error.strerror}") from error
+        return raw
 
     def check_signal(self, signal: str) -> None:
         """Check that the recording can hold a signal.

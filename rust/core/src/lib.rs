@@ -6,12 +6,15 @@
 //! The only clock is the absolute sample index. Results never depend on how the input is cut
 //! into blocks or on the number of threads.
 
+#![deny(unsafe_code)]
+
 pub mod acquire;
 pub mod dsp;
 pub mod error;
 pub mod nco;
 pub mod sample;
 pub mod signal;
+#[allow(unsafe_code)]
 pub mod simd;
 pub mod synth;
 pub mod track;

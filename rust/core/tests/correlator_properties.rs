@@ -4,11 +4,12 @@
 use std::sync::{Arc, LazyLock};
 
 use proptest::prelude::*;
+use sdr_spoof_core::dsp::band::{Band, Layout, Samples};
 use sdr_spoof_core::dsp::correlator::{Correlator, Slice};
-use sdr_spoof_core::dsp::prefix::PrefixBand;
 use sdr_spoof_core::dsp::reference::ReferenceReplica;
 use sdr_spoof_core::dsp::replica::Replica;
 use sdr_spoof_core::signal::{self, Modulation};
+use sdr_spoof_core::simd::Level;
 use sdr_spoof_core::C64;
 
 const PRN: u16 = 20;
@@ -93,11 +94,14 @@ impl Case {
         self.doppler_hz * 1e-3 / (self.chips_per_slice() * self.samples_per_chip)
     }
 
-    /// Rms phase error of the fast correlator in radians, by design: the oscillator's 1024 cells,
-    /// and the turning of the Doppler within a group of 4 us.
+    /// Rms phase error of the fast correlator in radians, by design: the oscillator's 128 cells,
+    /// dithered, and the turning of the Doppler within a group of runs, whose length is chosen so
+    /// that it loses 0.025 dB at most (half the square of the phase).
     fn design_error(&self) -> f64 {
-        let uniform = |width: f64| std::f64::consts::TAU * width / 12f64.sqrt();
-        uniform(1.0 / 1024.0).hypot(uniform(self.doppler_hz * 4e-6))
+        let oscillator = std::f64::consts::TAU / 128.0 / 6f64.sqrt();
+        let turning = std::f64::consts::TAU * self.doppler_hz * 20e-6 / 12f64.sqrt();
+        let most = (2.0 * 0.025 / (20.0 * std::f64::consts::LOG10_E)).sqrt();
+        oscillator.hypot(turning.abs().min(most))
     }
 
     fn start(&self) -> f64 {
@@ -113,15 +117,25 @@ impl Case {
 
     /// One slice; the input cut at `cuts` (cyclically), the channel asked after each piece.
     fn fast(&self, samples: &[i16], cuts: &[usize]) -> Slice {
-        let mut band = PrefixBand::new(self.intermediate, self.complex, self.origin, 1 << 17);
+        let layout = Layout {
+            complex: self.complex,
+            conjugate: false,
+        };
+        let mut band = Band::new(
+            self.intermediate,
+            layout,
+            self.origin,
+            1 << 17,
+            Level::best(),
+        );
         let mut channel = self.channel();
         let (mut rest, mut cuts) = (samples, cuts.iter().cycle());
         loop {
             let length = (cuts.next().unwrap() + 1) * self.width();
             let (piece, after) = rest.split_at(length.min(rest.len()));
-            band.feed(piece);
+            band.feed(Samples::Int16(piece));
             if let Some(slice) = channel.advance(&band) {
-                return slice;
+                return slice.clone();
             }
             assert!(!after.is_empty(), "the slice never came");
             rest = after;
@@ -189,11 +203,15 @@ proptest! {
     /// Slices follow each other without gap or overlap, at the rate of the code.
     #[test]
     fn slices_meet(case in case(), slices in 1..30usize) {
-        let mut band = PrefixBand::new(0.0, false, case.origin, 1 << 21);
+        let layout = Layout {
+            complex: false,
+            conjugate: false,
+        };
+        let mut band = Band::new(0.0, layout, case.origin, 1 << 21, Level::best());
         let mut channel = case.channel();
         let slice = case.chips_per_slice() * case.samples_per_chip;
         let count = (case.lead + slice * slices as f64) as usize + 200;
-        band.feed(&vec![0; count]);
+        band.feed(Samples::Int16(&vec![0; count]));
         let mut end = channel.base();
         for k in 0..slices {
             let got = channel.advance(&band).expect("enough samples");

@@ -1,8 +1,7 @@
 //! The tracker: plain arguments in, dicts of arrays out.
 
-use num_complex::Complex;
 use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
+use numpy::{IntoPyArray, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use sdr_spoof_core::sample::SampleFormat;
@@ -47,6 +46,7 @@ fn config(values: &Bound<'_, PyDict>) -> PyResult<TrackConfig> {
         cn0_min_dbhz: get(values, "cn0_min_dbhz")?,
         qmboc: get(values, "qmboc")?,
         combo: get(values, "combo")?,
+        data_component: get(values, "data_component")?,
     })
 }
 
@@ -107,73 +107,82 @@ impl Tracker {
         self.0.restart(&target(seed)).map_err(to_py)
     }
 
-    /// Rows recorded so far: one dict per signal.
-    fn signals<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+    /// Rows recorded since the last call: one dict per signal.
+    fn take_signals<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         let list = PyList::empty(py);
-        for channel in self.0.channels() {
-            for sideband in &channel.sidebands {
+        for channel in self.0.channels_mut() {
+            for sideband in &mut channel.sidebands {
                 list.append(signal_rows(py, channel.prn, sideband)?)?;
             }
         }
         Ok(list)
     }
 
-    /// Rows recorded so far: one dict per satellite with two sidebands.
-    fn combos<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+    /// Rows recorded since the last call: one dict per satellite with two sidebands.
+    fn take_combos<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         let list = PyList::empty(py);
-        for channel in self.0.channels().iter().filter(|c| c.sidebands.len() == 2) {
-            list.append(combo_rows(py, channel)?)?;
+        for channel in self.0.channels_mut() {
+            if channel.sidebands.len() == 2 {
+                list.append(combo_rows(py, channel)?)?;
+            }
         }
         Ok(list)
     }
 }
 
-fn array<'py, T: numpy::Element + Clone>(py: Python<'py>, v: &[T]) -> Bound<'py, PyArray1<T>> {
-    v.to_vec().into_pyarray(py)
+/// Fills a dict with a column of each named field; the columns move to Python without a copy.
+macro_rules! set_columns {
+    ($dict:ident, $rows:ident, $($name:ident),+) => {
+        $($dict.set_item(stringify!($name), $rows.$name.into_pyarray($dict.py()))?;)+
+    };
 }
 
-fn signal_rows<'py>(py: Python<'py>, prn: u16, s: &Sideband) -> PyResult<Bound<'py, PyDict>> {
-    let (d, rows) = (PyDict::new(py), &s.rows);
-    let offsets = s.tap_offsets_s();
+fn signal_rows<'py>(py: Python<'py>, prn: u16, s: &mut Sideband) -> PyResult<Bound<'py, PyDict>> {
+    let (d, rows, offsets) = (PyDict::new(py), s.rows.take(), s.tap_offsets_s());
     d.set_item("signal", s.spec.id)?;
     d.set_item("prn", prn)?;
     d.set_item("modulation", format!("{:?}", s.modulation))?;
     d.set_item("prompt_tap", s.taps.prompt)?;
-    d.set_item("time_s", array(py, &rows.time_s))?;
-    d.set_item("integration_s", array(py, &rows.integration_s))?;
-    d.set_item("state", array(py, &rows.state))?;
-    d.set_item(
-        "carrier_phase_cycles",
-        array(py, &rows.carrier_phase_cycles),
-    )?;
-    d.set_item("doppler_hz", array(py, &rows.doppler_hz))?;
-    d.set_item("code_phase_chips", array(py, &rows.code_phase_chips))?;
-    d.set_item("phase_error_cycles", array(py, &rows.phase_error_cycles))?;
-    d.set_item("code_error_chips", array(py, &rows.code_error_chips))?;
-    d.set_item("cn0_dbhz", array(py, &rows.cn0_dbhz))?;
-    d.set_item("phase_lock", array(py, &rows.phase_lock))?;
-    let taps: Vec<Complex<f32>> = rows.taps.clone();
-    let taps = Array2::from_shape_vec((rows.time_s.len(), offsets.len()), taps)
+    let taps = Array2::from_shape_vec((rows.time_s.len(), offsets.len()), rows.taps)
         .map_err(|e| pyo3::exceptions::PyRuntimeError::new_err(e.to_string()))?;
     d.set_item("taps", taps.into_pyarray(py))?;
     d.set_item("tap_offsets_s", offsets.into_pyarray(py))?;
+    set_columns!(
+        d,
+        rows,
+        time_s,
+        integration_s,
+        state,
+        carrier_phase_cycles,
+        doppler_hz,
+        code_phase_chips,
+        phase_error_cycles,
+        code_error_chips,
+        cn0_dbhz,
+        phase_lock,
+        data_prompt
+    );
     Ok(d)
 }
 
-fn combo_rows<'py>(py: Python<'py>, channel: &Channel) -> PyResult<Bound<'py, PyDict>> {
-    let (d, rows) = (PyDict::new(py), &channel.combo);
+fn combo_rows<'py>(py: Python<'py>, channel: &mut Channel) -> PyResult<Bound<'py, PyDict>> {
+    let (d, rows) = (PyDict::new(py), channel.combo.take());
     d.set_item("prn", channel.prn)?;
     d.set_item("lower", channel.sidebands[0].spec.id)?;
     d.set_item("upper", channel.sidebands[1].spec.id)?;
-    d.set_item("time_s", array(py, &rows.time_s))?;
-    d.set_item("integration_s", array(py, &rows.integration_s))?;
-    d.set_item("state", array(py, &rows.state))?;
-    d.set_item("phase_lower_cycles", array(py, &rows.phase_lower_cycles))?;
-    d.set_item("phase_upper_cycles", array(py, &rows.phase_upper_cycles))?;
-    d.set_item("cn0_lower_dbhz", array(py, &rows.cn0_lower_dbhz))?;
-    d.set_item("cn0_upper_dbhz", array(py, &rows.cn0_upper_dbhz))?;
-    d.set_item("code_difference_s", array(py, &rows.code_difference_s))?;
-    d.set_item("subcarrier_lock", array(py, &rows.subcarrier_lock))?;
+    set_columns!(
+        d,
+        rows,
+        time_s,
+        integration_s,
+        state,
+        phase_lower_cycles,
+        phase_upper_cycles,
+        cn0_lower_dbhz,
+        cn0_upper_dbhz,
+        code_difference_s,
+        subcarrier_lock
+    );
     Ok(d)
 }
 

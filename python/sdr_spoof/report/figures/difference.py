@@ -17,6 +17,10 @@ from sdr_spoof.records import Alarm
 from sdr_spoof.report.figures import style
 from sdr_spoof.report.words import satellite_name
 
+Window = tuple[float, float]
+"""Times between which a panel shows a series."""
+ALL: Window = (-np.inf, np.inf)
+
 
 @dataclass(frozen=True)
 class TruthMark:
@@ -58,9 +62,11 @@ def draw_difference(
             panels = figure.subplots(
                 2, 2, sharex="col", gridspec_kw={"width_ratios": [1.7, 1]}, squeeze=False
             )
-        for column in panels.T:
-            _trace(column[0], series, alarm)
-            _rate(column[1], series, config)
+        trace = _joined(series, alarm)
+        windows = [ALL] if alarm is None else [ALL, _near_onset(series, alarm, truth)]
+        for column, window in zip(panels.T, windows, strict=True):
+            _trace(column[0], series, trace, window)
+            _rate(column[1], series, config, window)
             for axes in column:
                 _marks(axes, alarm, truth)
         panels[0, 0].set_ylabel("Phase difference\n(cycles)")
@@ -69,7 +75,7 @@ def draw_difference(
         scale = ", outer part of the axis logarithmic" * (panels[1, 0].get_yscale() == "symlog")
         panels[1, 0].set_title(f"Its rate over {series.window_s:g} s{scale}")
         if alarm is not None:
-            _close_up(panels[0, 1], panels[1, 1], series, alarm, truth)
+            _close_up(panels[0, 1], panels[1, 1], series, trace, windows[1])
         _legend(figure, panels[1, 0], alarm, truth)
 
     return style.render(draw, 10.0, 4.8)
@@ -92,18 +98,22 @@ def _joined(series: StatisticSeries, alarm: Alarm | None) -> NDArray[np.float64]
     return values - (np.median(values[quiet]) if quiet.any() else 0.0)
 
 
-def _trace(axes: Axes, series: StatisticSeries, alarm: Alarm | None) -> None:
-    axes.plot(series.trace_time_s, _joined(series, alarm), color=style.INK, linewidth=0.9)
+def _trace(axes: Axes, series: StatisticSeries, trace: NDArray[np.float64], window: Window) -> None:
+    shown = _inside(series.trace_time_s, window, series.window_s)
+    line = style.thinned(series.trace_time_s[shown], trace[shown])
+    axes.plot(*line, color=style.INK, linewidth=0.9)
 
 
-def _rate(axes: Axes, series: StatisticSeries, config: DetectionConfig) -> None:
+def _rate(axes: Axes, series: StatisticSeries, config: DetectionConfig, window: Window) -> None:
     threshold = series.threshold(config.false_alarm_probability)
     time, value, limit = _broken(series, threshold)
-    peak = float(np.max(np.abs(series.value), initial=0.0))
-    axes.fill_between(time, -limit, limit, color="#009e73", alpha=0.13, linewidth=0)
+    shown = _inside(time, window, series.window_s) | np.isnan(time)
+    limit_time, edge = style.thinned(time[shown], limit[shown])
+    axes.fill_between(limit_time, -edge, edge, color="#009e73", alpha=0.13, linewidth=0)
     for sign in (-1, 1):
-        axes.plot(time, sign * limit, color="#00755a", linewidth=1.0, linestyle=(0, (4, 2)))
-    axes.plot(time, value, color=style.INK, linewidth=1.2)
+        axes.plot(limit_time, sign * edge, color="#00755a", linewidth=1.0, linestyle=(0, (4, 2)))
+    axes.plot(*style.thinned(time[shown], value[shown]), color=style.INK, linewidth=1.2)
+    peak = float(np.max(np.abs(series.value), initial=0.0))
     typical = float(np.median(threshold)) if threshold.size else 0.1
     if peak > 8 * typical:
         # Both the threshold and a drag far beyond it must be seen.
@@ -158,35 +168,67 @@ def _sample(colour: str, dash: tuple[int, tuple[int, ...]]) -> Line2D:
     return Line2D([], [], color=colour, linewidth=1.5, linestyle=dash)
 
 
-def _close_up(
-    top: Axes, bottom: Axes, series: StatisticSeries, alarm: Alarm, truth: TruthMark | None
-) -> None:
+def _near_onset(series: StatisticSeries, alarm: Alarm, truth: TruthMark | None) -> Window:
     start = alarm.onset_s - max(1.0, series.window_s)
     if truth is not None and truth.start_s > start - 2.0:
         start = min(start, truth.start_s - 0.2)
-    stop = alarm.alarm_s + max(0.5, 0.5 * series.window_s)
-    bottom.set_xlim(start, stop)
-    near = (series.trace_time_s >= start) & (series.trace_time_s <= stop)
-    near &= series.trace_segment >= 0
-    values = _joined(series, alarm)[near]
+    return start, alarm.alarm_s + max(0.5, 0.5 * series.window_s)
+
+
+def _inside(
+    time_s: NDArray[np.float64], window: Window, beyond_s: float = 0.0
+) -> NDArray[np.bool_]:
+    """Rows in a window; lines are drawn somewhat beyond it, lest they end within the panel."""
+    return np.asarray((time_s >= window[0] - beyond_s) & (time_s <= window[1] + beyond_s))
+
+
+def _close_up(
+    top: Axes,
+    bottom: Axes,
+    series: StatisticSeries,
+    trace: NDArray[np.float64],
+    window: Window,
+) -> None:
+    bottom.set_xlim(*window)
+    values = trace[_inside(series.trace_time_s, window) & (series.trace_segment >= 0)]
     if values.size:
         margin = 0.1 * float(np.ptp(values)) + 1e-3
         top.set_ylim(float(values.min()) - margin, float(values.max()) + margin)
     top.set_title("Close-up of the onset")
 
 
-def draw_margins(
-    pairs: Sequence[tuple[StatisticSeries, DetectionConfig]], spoofed: Sequence[tuple[str, int]]
-) -> str:
-    """How close each tested satellite came to its threshold, as a dot plot; no empty series."""
-    tested = list(pairs)
+@dataclass(frozen=True)
+class Margin:
+    """How close a satellite came to the threshold of a test."""
+
+    system: str
+    prn: int
+    of_threshold: float
+    """Largest |statistic| / threshold."""
+    sigmas: float
+    """Largest |statistic| in standard deviations."""
+
+    @classmethod
+    def of(cls, series: StatisticSeries, config: DetectionConfig) -> Margin:
+        """Margin of a series that is not empty."""
+        size = np.abs(series.value)
+        limit = series.threshold(config.false_alarm_probability)
+        return cls(
+            series.system,
+            series.prn,
+            float((size / limit).max()),
+            float((size / series.sigma).max()),
+        )
+
+
+def draw_margins(margins: Sequence[Margin], spoofed: Sequence[tuple[str, int]]) -> str:
+    """How close each tested satellite came to its threshold, as a dot plot."""
 
     def draw(figure: Figure) -> None:
         axes = figure.subplots()
-        for row, (series, config) in enumerate(reversed(tested)):
-            ratio = np.abs(series.value) / series.threshold(config.false_alarm_probability)
-            peak = float(ratio.max())
-            hit = (series.system, series.prn) in spoofed
+        for row, margin in enumerate(reversed(margins)):
+            peak = margin.of_threshold
+            hit = (margin.system, margin.prn) in spoofed
             colour = style.ALARM if hit else "#00755a"
             axes.plot([1e-3, peak], [row, row], color=colour, linewidth=2, alpha=0.4)
             axes.plot(peak, row, "D" if hit else "o", color=colour, markersize=8)
@@ -196,11 +238,11 @@ def draw_margins(
         axes.axvline(1.0, color=style.INK, linewidth=1.2, linestyle=(0, (4, 2)))
         axes.set_xscale("log")
         axes.xaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
-        top = max((float(np.max(np.abs(s.value) / s.sigma)) for s, _ in tested), default=5.0) / 4
+        top = max((m.sigmas for m in margins), default=5.0) / 4
         axes.set_xlim(0.01, max(10.0, 2 * top))
-        names = [satellite_name(s.system, s.prn) for s, _ in reversed(tested)]
-        axes.set_yticks(range(len(tested)), names)
-        axes.set_ylim(-0.6, max(len(tested), 1) - 0.4)
+        names = [satellite_name(m.system, m.prn) for m in reversed(margins)]
+        axes.set_yticks(range(len(margins)), names)
+        axes.set_ylim(-0.6, max(len(margins), 1) - 0.4)
         axes.set_xlabel("Largest |statistic| / threshold (an alarm is beyond 1)")
 
-    return style.render(draw, 10.0, 1.0 + 0.32 * max(len(tested), 1))
+    return style.render(draw, 10.0, 1.0 + 0.32 * max(len(margins), 1))

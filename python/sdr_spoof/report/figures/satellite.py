@@ -14,6 +14,8 @@ from sdr_spoof.records import SignalTrack, State
 from sdr_spoof.report.figures import style
 
 C_M_S = 299_792_458.0
+SAMPLED_EPOCHS = 1 << 16
+"""Of a longer track, 11 minutes of 10 ms, every n-th epoch is enough for a picture."""
 
 
 def draw_satellite(tracks: Sequence[SignalTrack], onset_s: float | None, duration_s: float) -> str:
@@ -22,8 +24,9 @@ def draw_satellite(tracks: Sequence[SignalTrack], onset_s: float | None, duratio
     def draw(figure: Figure) -> None:
         panels = figure.subplots(2, 3).ravel()
         middle = onset_s if onset_s is not None else duration_s / 2.0
-        course = _reference_course(tracks, middle)
-        for track in tracks:
+        shown = [track.sampled(SAMPLED_EPOCHS) for track in tracks]
+        course = _reference_course(shown, middle)
+        for track in shown:
             held = track.state >= State.TRACKING
             if np.count_nonzero(held) < 10:
                 continue
@@ -54,9 +57,8 @@ def _line(
     colour: str,
     name: str,
 ) -> None:
-    step = max(time.size // 4000, 1)
-    shown = np.where(held, values, np.nan)
-    axes.plot(time[::step], shown[::step], color=colour, linewidth=0.9, label=name, alpha=0.9)
+    shown = style.thinned(time, np.where(held, values, np.nan))
+    axes.plot(*shown, color=colour, linewidth=0.9, label=name, alpha=0.9)
 
 
 def _reference_course(tracks: Sequence[SignalTrack], until_s: float) -> NDArray[np.float64]:

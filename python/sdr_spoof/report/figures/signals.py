@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from sdr_spoof.records import Acquisition, SignalTrack, State, TrackLog
 from sdr_spoof.report.figures import style
+from sdr_spoof.report.figures.satellite import SAMPLED_EPOCHS
 from sdr_spoof.report.words import satellite_name
 from sdr_spoof.verdict import system_of
 
@@ -61,13 +62,11 @@ def draw_cn0(log: TrackLog, spoofed: Sequence[tuple[str, int]]) -> str:
             ends = []
             for track in tracks:
                 hit = (system_of(signal), track.prn) in spoofed
-                held = np.flatnonzero(track.state >= State.TRACKING)
-                if held.size == 0:
-                    continue
-                _cn0_line(axes, track, style.colour(signal) if hit else "#a9b2bb", hit)
-                name = satellite_name(system_of(signal), track.prn)
-                end = float(np.median(track.cn0_dbhz[held[-200:]]))
-                ends.append((end, name, style.colour(signal) if hit else style.MUTED))
+                colour = style.colour(signal) if hit else style.MUTED
+                end = _cn0_line(axes, track, colour if hit else "#a9b2bb", hit)
+                if end is not None:
+                    name = satellite_name(system_of(signal), track.prn)
+                    ends.append((end, name, colour))
             names.append(ends)
             axes.set_title(signal)
             axes.set_xlabel("Time (s)")
@@ -79,16 +78,19 @@ def draw_cn0(log: TrackLog, spoofed: Sequence[tuple[str, int]]) -> str:
     return style.render(draw, 10.0, 3.2)
 
 
-def _cn0_line(axes: Axes, track: SignalTrack, colour: str, emphasised: bool) -> None:
-    held = track.state >= State.TRACKING
-    cn0 = np.where(held, track.cn0_dbhz, np.nan)
+def _cn0_line(axes: Axes, track: SignalTrack, colour: str, emphasised: bool) -> float | None:
+    """Draws a track; returns the C/N0 at which it ends, None if it was never held."""
+    track = track.sampled(SAMPLED_EPOCHS)
+    held, cn0 = track.state >= State.TRACKING, track.cn0_dbhz
+    if not held.any():
+        return None
     axes.plot(
-        track.time_s,
-        cn0,
+        *style.thinned(track.time_s, np.where(held, cn0, np.nan)),
         color=colour,
         linewidth=1.8 if emphasised else 1.0,
         zorder=3 if emphasised else 2,
     )
+    return float(np.median(cn0[held][-200:]))
 
 
 def _name_lines(axes: Axes, ends: list[tuple[float, str, str]], time_s: float) -> None:

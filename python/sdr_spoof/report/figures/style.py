@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import base64
+import gc
 import io
 from typing import TYPE_CHECKING
 
+import numpy as np
 from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
+
+    from numpy.typing import NDArray
 
 INK = "#1d2733"
 MUTED = "#66727f"
@@ -20,6 +24,9 @@ ALARM = "#c0392b"
 TRUTH = "#111111"
 BAND_COLOURS = {"B1I": "#0072b2", "B1CP": "#e08214", "B1CD": "#cc79a7", "L1CA": "#009e73"}
 """Okabe-Ito hues; a signal keeps its colour in every figure."""
+
+MOST_POINTS = 4000
+"""Points of a line; a picture is 1400 pixels wide."""
 
 RC: Mapping[str, object] = {
     "font.family": "DejaVu Sans",
@@ -63,4 +70,27 @@ def render(draw: Callable[[Figure], None], width_in: float, height_in: float) ->
         draw(figure)
         buffer = io.BytesIO()
         figure.savefig(buffer, format="png", metadata={"Software": None})
+    del figure
+    gc.collect(1)  # figures refer to themselves; left to themselves, dozens of them pile up
     return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode("ascii")
+
+
+def thinned(
+    time_s: NDArray[np.float64], values: NDArray[np.float64], most: int = MOST_POINTS
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Fewer points whose line looks the same: the lowest and highest of equal runs of rows.
+
+    A run in which a value is NaN keeps one, so that the line breaks there. Lines of no more than
+    ``most`` points stay as they are.
+    """
+    if time_s.size <= most:
+        return time_s, values
+    run = -(-2 * time_s.size // most)
+    starts = np.arange(0, time_s.size, run)
+    runs = np.pad(values, (0, starts.size * run - time_s.size), "edge").reshape(-1, run)
+    gaps = np.isnan(runs)
+    lowest = np.where(gaps, np.inf, runs).argmin(axis=1)
+    highest = np.where(gaps, -np.inf, runs).argmax(axis=1)
+    gap = np.where(gaps.any(axis=1), gaps.argmax(axis=1), lowest)
+    rows = np.unique(np.minimum(starts + np.array([lowest, highest, gap]), time_s.size - 1))
+    return time_s[rows], values[rows]

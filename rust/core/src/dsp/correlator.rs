@@ -1,31 +1,27 @@
-//! Correlates one signal of one satellite from the prefix sums of its band.
+//! Correlates one signal of one satellite from the running sums of its band.
 //!
 //! The unit of integration is the slice: 1 ms of code. The replica of each subcarrier layer is a
 //! list of sign-change positions; edges fall on the first sample at or after the code phase of the
-//! change, exactly as a sampled replica has them. Runs are gathered in groups of about 4 us, and
-//! each group is turned by the channel's residual carrier at its middle.
+//! change, exactly as a sampled replica has them. Runs are gathered in groups, as long as the
+//! residual carrier allows, and each group is turned by the residual carrier at its middle. All
+//! sums are integers: the same bits however the samples come, whatever the processor.
 
-use std::sync::{Arc, LazyLock};
+use std::ops::RangeInclusive;
+use std::sync::Arc;
 
-use super::prefix::{PrefixBand, LO_AMPLITUDE};
-use super::replica::{Replica, MAX_GROUP};
+use super::band::{Band, LAST_SAMPLE};
+use super::replica::{Output, Part, Replica, SUBCHIPS};
+use super::ring::LONGEST_STEP;
+use super::tap_plan::TapPlan;
+use crate::simd::runs::{correlate, Runs, Sums, FRACTION, TURN_AMPLITUDE, UNIT};
 use crate::{nco, C64};
 
-/// Fraction bits of code positions (samples).
-const FRACTION: u32 = 40;
+/// A code position of one sample.
 const ONE: f64 = (1u64 << FRACTION) as f64;
-
-const TURN_BITS: u32 = 11;
-/// exp(-j 2 pi phase) at the middle of each cell.
-static TURN: LazyLock<Vec<[f32; 2]>> = LazyLock::new(|| {
-    let cells = 1usize << TURN_BITS;
-    (0..cells)
-        .map(|i| {
-            let (s, c) = (std::f64::consts::TAU * (i as f64 + 0.5) / cells as f64).sin_cos();
-            [c as f32, -s as f32]
-        })
-        .collect()
-});
+/// Samples per chip that can be correlated: a step of the runs of eight chips is the longest.
+pub const SAMPLES_PER_CHIP: RangeInclusive<f64> = 0.25..=(LONGEST_STEP / UNIT) as f64;
+/// Taps may lie so far from the prompt, samples.
+pub const FARTHEST_TAP: usize = 1 << 30;
 
 /// exp(-j 2 pi cycles)
 fn turn_back(cycles: f64) -> C64 {
@@ -33,10 +29,12 @@ fn turn_back(cycles: f64) -> C64 {
 }
 
 /// What one slice gave.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Slice {
     /// Correlation per tap, in input units times samples.
     pub taps: Vec<C64>,
+    /// Prompt of the companion signal; 0 without one.
+    pub companion: C64,
     /// Which slice of the code period this was.
     pub index: usize,
     /// Absolute index of the first sample.
@@ -45,71 +43,185 @@ pub struct Slice {
     pub samples: u64,
 }
 
+/// What a part of the replica has come to.
+#[derive(Debug)]
+struct Progress {
+    fine: bool,
+    runs_per_turn: usize,
+    /// Edges passed.
+    edges: usize,
+    sums: Vec<Sums>,
+}
+
 /// A channel's oscillators and partial sums.
 #[derive(Debug)]
 pub struct Correlator {
     replica: Arc<Replica>,
-    taps: Vec<i64>,
-    reach: (i64, i64),
-    index: usize,
+    offsets: Vec<i64>,
+    /// Where the sums of the main layer, the other layers and the companion are.
+    plans: [TapPlan; 3],
+    /// Farthest tap before and after the prompt.
+    reach: [i64; 2],
     /// Whole sample and 2^-40 fraction of the slice's start.
     base: u64,
     fraction: u64,
-    /// Samples per chip, 2^-40 units.
+    /// Samples per chip, 2^-40 units, a multiple of all sub-chips.
     chip_step: u64,
-    /// Residual carrier (beyond the band's oscillator) at sample `base`: 2^-64 cycles, unwrapped.
+    /// Carrier beyond the band's nominal frequency at sample `base`: 2^-64 cycles, unwrapped.
     carrier: i128,
     carrier_step: i64,
-    /// Per layer: first edge of the next group.
-    progress: Vec<usize>,
-    sums: Vec<C64>,
+    begun: bool,
+    /// Carrier beyond the band's oscillator where the slice began, 2^-64 cycles per sample.
+    residual: u64,
+    progress: Vec<Progress>,
+    /// Gain of each tap.
+    gains: Vec<f64>,
+    /// Residual carrier for which `twists` hold: what it turns from prompt to tap, and the gain.
+    twisted: Option<u64>,
+    twists: Vec<C64>,
+    slice: Slice,
+    /// Slice of the code period in progress.
+    index: usize,
 }
 
 impl Correlator {
     /// A channel with the given tap offsets (samples, positive = late replica); slice `index` of
     /// the code period starts at `start` samples.
     ///
-    /// Call [`Correlator::set_rates`] before the first [`Correlator::advance`].
+    /// Taps may lie anywhere; those 8 samples apart from their neighbours, up to eight, cost as
+    /// much as one. Call [`Correlator::set_rates`] before the first [`Correlator::advance`].
+    ///
+    /// # Panics
+    /// As [`Correlator::with_outer_taps`].
     pub fn new(replica: Arc<Replica>, taps: &[i64], index: usize, start: f64) -> Self {
+        Self::with_outer_taps(replica, taps, &vec![false; taps.len()], index, start)
+    }
+
+    /// The same, where taps that are marked as outer ones see the main subcarrier layer only, at
+    /// unit power: BOC(6,1) costs eight times BOC(1,1), and is of use near the peak.
+    ///
+    /// # Panics
+    /// If `outer` does not say it of each tap, if there is none but outer ones, if one is farther
+    /// than [`FARTHEST_TAP`], or if `start` is not within 0 and [`LAST_SAMPLE`].
+    pub fn with_outer_taps(
+        replica: Arc<Replica>,
+        taps: &[i64],
+        outer: &[bool],
+        index: usize,
+        start: f64,
+    ) -> Self {
+        assert!(
+            outer.len() == taps.len() && outer.contains(&false),
+            "{} taps, {} marks, at least one of which must be for an inner tap",
+            taps.len(),
+            outer.len()
+        );
+        let farthest = taps.iter().map(|tap| tap.unsigned_abs()).max();
+        assert!(
+            farthest <= Some(FARTHEST_TAP as u64),
+            "a tap {farthest:?} samples from the prompt"
+        );
+        assert!(
+            (0.0..=LAST_SAMPLE as f64).contains(&start),
+            "a channel cannot start at sample {start}"
+        );
         let base = start.floor();
-        let layers = replica.layers.len();
+        let all = || taps.iter().copied().enumerate();
+        let inner = all().zip(outer).filter(|(_, &o)| !o).map(|(tap, _)| tap);
+        let plans = [
+            TapPlan::new(all()),
+            TapPlan::new(inner),
+            TapPlan::new(std::iter::once((0, 0))),
+        ];
+        let progress = |part: &Part| Progress {
+            fine: false,
+            runs_per_turn: 0,
+            edges: 0,
+            sums: vec![Sums::default(); plans[part.output as usize].groups.len()],
+        };
         Correlator {
-            taps: taps.to_vec(),
-            reach: (
-                taps.iter().copied().min().unwrap_or(0).min(0),
-                taps.iter().copied().max().unwrap_or(0).max(0),
-            ),
-            index: index % replica.slices_per_period(),
             base: base as u64,
             fraction: ((start - base) * ONE) as u64,
             chip_step: 0,
             carrier: 0,
             carrier_step: 0,
-            progress: vec![0; layers],
-            sums: vec![C64::default(); layers * taps.len()],
+            begun: false,
+            residual: 0,
+            progress: replica.parts.iter().map(progress).collect(),
+            twisted: None,
+            twists: vec![C64::default(); taps.len()],
+            slice: Slice {
+                taps: vec![C64::default(); taps.len()],
+                ..Slice::default()
+            },
+            index: index % replica.slices_per_period(),
+            offsets: taps.to_vec(),
+            gains: outer
+                .iter()
+                .map(|&o| if o { replica.outer_gain() } else { 1.0 })
+                .collect(),
+            plans,
+            reach: [
+                taps.iter().copied().min().unwrap_or(0).min(0),
+                taps.iter().copied().max().unwrap_or(0).max(0),
+            ],
             replica,
         }
     }
 
-    /// Sets the oscillators for the slices to come: residual carrier in cycles per sample, and
-    /// samples per chip. To be called between slices only.
+    /// Sets the oscillators for the slices to come: carrier beyond the band's nominal frequency
+    /// in cycles per sample (wrapping at half a cycle), and samples per chip. To be called between
+    /// slices only.
+    ///
+    /// # Panics
+    /// Within a slice, if the carrier is not finite, or for samples per chip out of
+    /// [`SAMPLES_PER_CHIP`].
     pub fn set_rates(&mut self, carrier: f64, samples_per_chip: f64) {
+        self.check_between_slices();
+        assert!(
+            carrier.is_finite() && SAMPLES_PER_CHIP.contains(&samples_per_chip),
+            "cannot correlate at {carrier} cycles per sample and {samples_per_chip} samples per chip"
+        );
         self.carrier_step = nco::step_from_frequency(carrier) as i64;
-        self.chip_step = (samples_per_chip * ONE).round() as u64;
+        self.chip_step = (samples_per_chip * ONE / SUBCHIPS as f64).round() as u64 * SUBCHIPS;
     }
 
     /// Adds to the carrier phase (cycles), between slices.
+    ///
+    /// # Panics
+    /// Within a slice, or for more cycles than [`LAST_SAMPLE`].
     pub fn shift_carrier(&mut self, cycles: f64) {
+        self.check_between_slices();
+        assert!(
+            cycles.abs() <= LAST_SAMPLE as f64,
+            "cannot turn a carrier by {cycles} cycles"
+        );
         self.carrier += (cycles * nco::CYCLE) as i128;
     }
 
-    /// Moves the replica by this many samples (positive = later), between slices.
+    /// Moves the replica by this many samples (positive = later), between slices. What it is
+    /// moved back to must still be held by its band.
+    ///
+    /// # Panics
+    /// Within a slice, or to a sample that is not within 0 and [`LAST_SAMPLE`].
     pub fn shift_code(&mut self, samples: f64) {
-        let position = self.start() + samples;
-        let base = position.floor();
-        self.carrier += i128::from(self.carrier_step) * (base as i128 - i128::from(self.base));
-        self.base = base as u64;
-        self.fraction = ((position - base) * ONE) as u64;
+        self.check_between_slices();
+        let here = i128::from(self.base) << FRACTION | i128::from(self.fraction);
+        let there = here + (samples * ONE).round() as i128;
+        assert!(
+            samples.abs() <= LAST_SAMPLE as f64
+                && (0..=i128::from(LAST_SAMPLE) << FRACTION).contains(&there),
+            "cannot move a replica at sample {} by {samples}",
+            self.base
+        );
+        let base = (there >> FRACTION) as u64;
+        self.carrier += i128::from(self.carrier_step) * (i128::from(base) - i128::from(self.base));
+        self.base = base;
+        self.fraction = there as u64 & ((1 << FRACTION) - 1);
+    }
+
+    fn check_between_slices(&self) {
+        assert!(!self.begun, "a channel is to be steered between slices");
     }
 
     /// Start of the present slice in samples.
@@ -127,7 +239,8 @@ impl Correlator {
         self.chip_step as f64 / ONE
     }
 
-    /// Residual carrier phase at [`Correlator::base`], cycles, unwrapped.
+    /// Carrier phase beyond the band's nominal frequency at [`Correlator::base`], cycles,
+    /// unwrapped.
     pub fn carrier_cycles(&self) -> f64 {
         self.carrier as f64 / nco::CYCLE
     }
@@ -137,141 +250,151 @@ impl Correlator {
         self.base
     }
 
+    /// Farthest tap from the prompt.
+    pub(crate) fn reach(&self) -> usize {
+        self.reach[1].max(-self.reach[0]) as usize
+    }
+
+    /// The earliest sample that is still needed; it may lie before the recording.
+    pub(crate) fn oldest(&self) -> i64 {
+        let passed = |(part, progress): (&Part, &Progress)| {
+            let list = part.list(progress.fine);
+            let edge = u64::from(list.slices[self.index][progress.edges]);
+            (self.fraction + edge * (self.chip_step / list.subchips)) >> FRACTION
+        };
+        let parts = self.replica.parts.iter().zip(&self.progress);
+        let passed = if self.begun {
+            parts.map(passed).min().unwrap_or(0)
+        } else {
+            0
+        };
+        (self.base + passed) as i64 + self.reach[0]
+    }
+
     /// Works off what the band holds; gives the slice once it is complete, and stands then at
     /// the start of the next.
-    pub fn advance(&mut self, band: &PrefixBand) -> Option<Slice> {
+    ///
+    /// # Panics
+    /// If the band no longer holds samples that are needed, or rates have never been set.
+    pub fn advance(&mut self, band: &Band) -> Option<&Slice> {
+        let limit = band.end().wrapping_sub(self.base) as i64 - self.reach[1];
+        if limit <= 0 {
+            return None;
+        }
+        assert!(
+            band.end() as i64 - self.oldest() < band.ring().capacity() as i64,
+            "a channel needs sample {} of a band that stands at {} and has forgotten it",
+            self.oldest(),
+            band.end()
+        );
+        if !self.begun {
+            self.begin(band);
+        }
         let mut complete = true;
-        for layer in 0..self.replica.layers.len() {
-            complete &= self.advance_layer(layer, band);
+        for part in 0..self.progress.len() {
+            complete &= self.advance_part(part, band, limit);
         }
-        complete.then(|| self.finish())
-    }
-
-    /// End of the slice, in 2^-40 samples after `base`.
-    fn end(&self) -> u64 {
-        self.fraction + self.replica.chips_per_slice() * self.chip_step
-    }
-
-    fn advance_layer(&mut self, layer: usize, band: &PrefixBand) -> bool {
-        let replica = Arc::clone(&self.replica);
-        let runs = &replica.slices[self.index][layer];
-        let step = self.chip_step / replica.layers[layer].subchips as u64;
-        let last = runs.edges.len() - 1;
-        let ceil = |p: u64| ((p + (1 << FRACTION) - 1) >> FRACTION) as i64;
-        let (fraction, end) = (self.fraction, self.end());
-        let position = |i: usize| {
-            let at = if i == last {
-                end
-            } else {
-                fraction + u64::from(runs.edges[i]) * step
-            };
-            ceil(at)
-        };
-        let available = band.end() as i64 - self.base as i64 - self.reach.1;
-        let mut edges = [0i64; MAX_GROUP + 1];
-        let mut from = self.progress[layer];
-        edges[0] = position(from);
-        while from < last {
-            let to = (from + replica.group[layer]).min(last);
-            let count = to - from;
-            for (edge, i) in edges[1..=count].iter_mut().zip(from + 1..) {
-                *edge = position(i);
-            }
-            if edges[count] > available {
-                break;
-            }
-            let sign = if from.is_multiple_of(2) {
-                runs.first
-            } else {
-                -runs.first
-            };
-            let sums = &mut self.sums[layer * self.taps.len()..][..self.taps.len()];
-            add_group(
-                band,
-                &edges[..=count],
-                self.base as i64,
-                &self.taps,
-                sign,
-                (self.carrier as u64, self.carrier_step),
-                sums,
-            );
-            edges[0] = edges[count];
-            from = to;
+        if !complete {
+            return None;
         }
-        self.progress[layer] = from;
-        from == last
+        self.finish(band);
+        Some(&self.slice)
     }
 
-    fn finish(&mut self) -> Slice {
-        let n = self.taps.len();
-        let frequency = nco::frequency_from_step(self.carrier_step as u64);
-        let taps = (0..n)
-            .map(|t| {
-                let sum: C64 = self
-                    .replica
-                    .layers
-                    .iter()
-                    .enumerate()
-                    .map(|(l, layer)| self.sums[l * n + t] * C64::new(layer.re, -layer.im))
-                    .sum();
-                sum * turn_back(frequency * self.taps[t] as f64) / LO_AMPLITUDE
-            })
-            .collect();
-        let end = self.end();
+    /// Works off all that the band holds; `closed` gets every slice, and the channel to steer.
+    pub fn work_off(&mut self, band: &Band, mut closed: impl FnMut(&Slice, &mut Self)) {
+        while self.advance(band).is_some() {
+            let slice = std::mem::take(&mut self.slice);
+            closed(&slice, self);
+            self.slice = slice;
+        }
+    }
+
+    /// Chooses how runs are turned in the slice that begins.
+    fn begin(&mut self, band: &Band) {
+        assert!(self.chip_step > 0, "a channel without rates");
+        let step = band.detuning_step(self.base);
+        self.residual = (self.carrier_step as u64).wrapping_sub(step);
+        let per_chip = nco::frequency_from_step(self.residual) * self.samples_per_chip();
+        let longest = LONGEST_STEP as f64 / self.samples_per_chip();
+        for (part, progress) in self.replica.parts.iter().zip(&mut self.progress) {
+            (progress.fine, progress.runs_per_turn) = part.choose(per_chip, longest);
+            progress.edges = 0;
+            progress.sums.fill(Sums::default());
+        }
+        self.begun = true;
+    }
+
+    fn advance_part(&mut self, at: usize, band: &Band, limit: i64) -> bool {
+        let part = &self.replica.parts[at];
+        let progress = &mut self.progress[at];
+        let list = part.list(progress.fine);
+        let edges = &list.slices[self.index];
+        let taps = &self.plans[part.output as usize].groups;
+        // What lies before a retuning is turned as the oscillator was then.
+        for (detuning, end) in band.detunings() {
+            let rest = &edges[progress.edges..];
+            let limit = limit.min(end.wrapping_sub(self.base) as i64);
+            if rest.len() == 1 || limit < 0 {
+                continue;
+            }
+            let runs = Runs {
+                cells: band.ring().cells(),
+                geometry: band.ring().geometry(),
+                edges: rest,
+                fraction: self.fraction,
+                step: self.chip_step / list.subchips,
+                base: self.base,
+                limit,
+                phase: (self.carrier as u64).wrapping_sub(detuning.phase(self.base)),
+                phase_step: (self.carrier_step as u64).wrapping_sub(detuning.step),
+                runs_per_turn: progress.runs_per_turn,
+            };
+            progress.edges += correlate(band.level(), &runs, taps, &mut progress.sums);
+        }
+        progress.edges + 1 == edges.len()
+    }
+
+    fn finish(&mut self, band: &Band) {
+        self.twist();
+        let scale = 1.0 / (band.gain() * TURN_AMPLITUDE);
+        let slice = &mut self.slice;
+        slice.taps.fill(C64::default());
+        slice.companion = C64::default();
+        for (part, progress) in self.replica.parts.iter().zip(&self.progress) {
+            let weight = part.weight * (part.signs[self.index] * scale);
+            for &(tap, group, lane) in &self.plans[part.output as usize].places {
+                let [re, im] = progress.sums[group];
+                let sum = weight * C64::new(re[lane] as f64, im[lane] as f64);
+                match part.output {
+                    Output::Companion => slice.companion += sum,
+                    _ => slice.taps[tap] += sum,
+                }
+            }
+        }
+        for (tap, twist) in slice.taps.iter_mut().zip(&self.twists) {
+            *tap *= twist;
+        }
+        let end = self.fraction + self.replica.chips_per_slice() * self.chip_step;
         let whole = end >> FRACTION;
-        let slice = Slice {
-            taps,
-            index: self.index,
-            start: self.base,
-            samples: whole,
-        };
+        (slice.index, slice.start, slice.samples) = (self.index, self.base, whole);
         self.base += whole;
         self.fraction = end & ((1 << FRACTION) - 1);
         self.carrier += i128::from(self.carrier_step) * i128::from(whole);
         self.index = (self.index + 1) % self.replica.slices_per_period();
-        self.progress.fill(0);
-        self.sums.fill(C64::default());
-        slice
+        self.begun = false;
     }
-}
 
-/// Adds the alternating sum over one group of runs to every tap.
-fn add_group(
-    band: &PrefixBand,
-    edges: &[i64],
-    base: i64,
-    taps: &[i64],
-    sign: f64,
-    (phase, step): (u64, i64),
-    sums: &mut [C64],
-) {
-    let last = edges.len() - 1;
-    // Twice the middle sample of the group, so that it stays an integer.
-    let middle = edges[0] + edges[last] - 1;
-    let advance = (i128::from(step) * i128::from(middle) / 2) as u64;
-    let turn = TURN[(phase.wrapping_add(advance) >> (64 - TURN_BITS)) as usize];
-    let turn = C64::new(f64::from(turn[0]), f64::from(turn[1])) * sign;
-    for (&tap, sum) in taps.iter().zip(sums) {
-        let at = base + tap;
-        let (mut s, mut plus) = ([0i64; 2], true);
-        // first + ... : runs alternate, so inner edges count twice.
-        for &edge in &edges[1..last] {
-            let w = band.prefix(at + edge);
-            let v = if plus {
-                w
-            } else {
-                [w[0].wrapping_neg(), w[1].wrapping_neg()]
-            };
-            s = [s[0].wrapping_add(v[0]), s[1].wrapping_add(v[1])];
-            plus = !plus;
+    /// Taps were turned by the carrier at the prompt.
+    fn twist(&mut self) {
+        if self.twisted == Some(self.residual) {
+            return;
         }
-        let (a, b) = (band.prefix(at + edges[0]), band.prefix(at + edges[last]));
-        let b = if plus {
-            b
-        } else {
-            [b[0].wrapping_neg(), b[1].wrapping_neg()]
-        };
-        let total = |k: usize| (s[k].wrapping_mul(2)).wrapping_sub(a[k]).wrapping_add(b[k]) as f64;
-        *sum += turn * C64::new(total(0), total(1));
+        let frequency = nco::frequency_from_step(self.residual);
+        let taps = self.offsets.iter().zip(&self.gains);
+        for (twist, (&tap, gain)) in self.twists.iter_mut().zip(taps) {
+            *twist = turn_back(frequency * tap as f64) * gain;
+        }
+        self.twisted = Some(self.residual);
     }
 }

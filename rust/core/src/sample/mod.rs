@@ -2,6 +2,7 @@
 
 mod pack;
 
+use crate::dsp::band::Samples;
 use crate::{Error, Result};
 
 /// How one sample is stored.
@@ -70,6 +71,33 @@ impl SampleFormat {
         bits * if self.complex { 2 } else { 1 }
     }
 
+    /// The values in `bytes` as the front ends take them, unchanged where they can be read in
+    /// place; `buffers` hold what must be unpacked. `scale` is for float formats.
+    pub fn samples<'a>(
+        self,
+        bytes: &'a [u8],
+        scale: f32,
+        (narrow, wide): (&'a mut Vec<u8>, &'a mut Vec<i16>),
+    ) -> Samples<'a> {
+        match self.encoding {
+            Encoding::I8 => Samples::Int8(bytes),
+            Encoding::Bits2 => {
+                narrow.clear();
+                narrow.extend(
+                    bytes
+                        .iter()
+                        .flat_map(|&b| two_bit_values(b).map(|v| v as u8)),
+                );
+                Samples::Int8(narrow)
+            }
+            Encoding::I16 | Encoding::F32 => {
+                wide.clear();
+                self.unpack(bytes, scale, false, wide);
+                Samples::Int16(wide)
+            }
+        }
+    }
+
     /// Appends the values in `bytes` to `out`: i16, I and Q interleaved if complex.
     ///
     /// `scale` multiplies float values before rounding (saturating; NaN becomes 0). `conjugate`
@@ -91,12 +119,7 @@ impl SampleFormat {
                     .map(|b| (f32::from_le_bytes([b[0], b[1], b[2], b[3]]) * scale).round() as i16),
             ),
             Encoding::Bits2 => {
-                const LEVEL: [i16; 4] = [1, 3, -1, -3];
-                out.extend(
-                    bytes
-                        .iter()
-                        .flat_map(|&b| [0, 2, 4, 6].map(|s| LEVEL[(b >> s & 3) as usize])),
-                );
+                out.extend(bytes.iter().flat_map(|&b| two_bit_values(b).map(i16::from)));
             }
         }
         if conjugate && self.complex {
@@ -105,6 +128,12 @@ impl SampleFormat {
             }
         }
     }
+}
+
+/// The four values of a byte.
+fn two_bit_values(byte: u8) -> [i8; 4] {
+    const LEVEL: [i8; 4] = [1, 3, -1, -3];
+    [0, 2, 4, 6].map(|s| LEVEL[(byte >> s & 3) as usize])
 }
 
 #[cfg(test)]

@@ -137,6 +137,17 @@ pub fn components(name: &str) -> Result<Vec<&'static SignalSpec>> {
 }
 
 impl SignalSpec {
+    /// The data component that is sent beside this pilot with the same code timing, if any.
+    pub fn companion(&self) -> Option<&'static SignalSpec> {
+        let pilot = (self.prns)()
+            .first()
+            .is_some_and(|&p| (self.symbol_periods)(p).is_none());
+        let shape = |s: &SignalSpec| (s.code_length, s.chip_rate_hz, s.carrier_hz);
+        SIGNALS.iter().find(|s| {
+            pilot && s.id != self.id && s.composite == self.composite && shape(s) == shape(self)
+        })
+    }
+
     fn check(&self, prn: u16) -> Result<()> {
         if (self.prns)().contains(&prn) {
             Ok(())

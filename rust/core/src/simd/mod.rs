@@ -3,11 +3,16 @@
 //! Everything that is written for one processor lives in this folder, and with it all `unsafe`
 //! code of the crate. Every kernel has a portable form here too, and all forms give the same bits.
 
+pub(crate) mod front_end;
+pub(crate) mod runs;
 pub(crate) mod synth;
 
 use std::sync::OnceLock;
 
 /// Vector instructions, from none to most.
+///
+/// A level that the processor lacks may be named, but is never run: every kernel lowers it at its
+/// door ([`Level::lowered`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Level {
     /// What every processor of the architecture has.
@@ -26,7 +31,7 @@ impl Level {
         *BEST.get_or_init(|| {
             let wanted = std::env::var("SDR_SPOOF_SIMD").ok();
             let limit = wanted.and_then(|name| Level::parse(&name));
-            limit.map_or_else(Level::detect, |l| l.min(Level::detect()))
+            limit.unwrap_or(Level::Avx512).lowered()
         })
     }
 
@@ -34,7 +39,7 @@ impl Level {
     pub fn available() -> Vec<Level> {
         [Level::Portable, Level::Avx2, Level::Avx512]
             .into_iter()
-            .filter(|&l| l <= Level::detect())
+            .filter(|&level| level.lowered() == level)
             .collect()
     }
 
@@ -51,6 +56,12 @@ impl Level {
         [Level::Portable, Level::Avx2, Level::Avx512]
             .into_iter()
             .find(|l| l.name() == name)
+    }
+
+    /// This level, or the best that the processor has if that is less.
+    pub(crate) fn lowered(self) -> Level {
+        static DETECTED: OnceLock<Level> = OnceLock::new();
+        self.min(*DETECTED.get_or_init(Level::detect))
     }
 
     #[cfg(target_arch = "x86_64")]

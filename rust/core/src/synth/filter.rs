@@ -161,7 +161,8 @@ pub(crate) fn convolve_odd(h: &[f32], x: &[f32], out: &mut [f32]) {
 
 #[inline(always)]
 fn convolve(h: &[f32], x: &[f32], out: &mut [f32], fold: impl Fn(f32, f32) -> f32) {
-    assert!(x.len() + 2 >= out.len() + 2 * h.len());
+    let reach = h.len() - 1;
+    assert!(x.len() >= out.len() + 2 * reach);
     let (tiles, rest) = out.as_chunks_mut::<TILE>();
     let done = tiles.len() * TILE;
     for (tile, out) in tiles.iter_mut().enumerate() {

@@ -5,10 +5,12 @@ use super::config::TrackConfig;
 use super::epoch::{Epoch, Measured};
 use super::log::{ComboRows, State};
 use super::sideband::Sideband;
-use crate::dsp::prefix::PrefixBand;
+use crate::dsp::band::Band;
 
 /// Two integrations belong together if they begin within this, s.
 const PAIRED_S: f64 = 0.4e-3;
+/// One sideband waits for the other, to be steered together, if that is no later than this, s.
+pub(super) const WAIT_S: f64 = 50e-6;
 /// Both sidebands must have run by themselves this long before they are joined, s.
 const SETTLED_S: f64 = 0.5;
 /// Joined loops whose sidebands disagree are parted.
@@ -23,10 +25,14 @@ pub struct Channel {
     /// Rows of the pair; empty where there is one sideband.
     pub combo: ComboRows,
     pending: Vec<Option<Epoch>>,
+    /// Of sidebands too far apart to wait for each other: what has no partner yet.
+    apart: [Option<(Epoch, Measured)>; 2],
     joint: Option<JointLoops>,
     settled_s: f64,
     config: TrackConfig,
     sample_rate_hz: f64,
+    /// Latest tap of any sideband, samples.
+    latest: u64,
 }
 
 impl Channel {
@@ -37,10 +43,13 @@ impl Channel {
         config: &TrackConfig,
         sample_rate_hz: f64,
     ) -> Self {
+        let offsets = sidebands.iter().flat_map(|s| &s.taps.offsets);
         Channel {
             prn,
+            latest: offsets.copied().max().unwrap_or(0).max(0) as u64,
             pending: sidebands.iter().map(|_| None).collect(),
             sidebands,
+            apart: [None, None],
             combo: ComboRows::default(),
             joint: None,
             settled_s: 0.0,
@@ -50,33 +59,33 @@ impl Channel {
     }
 
     /// Works off what the bands hold.
-    pub fn advance(&mut self, bands: &[PrefixBand]) {
+    pub fn advance(&mut self, bands: &[Band]) {
         loop {
             for (sideband, pending) in self.sidebands.iter_mut().zip(&mut self.pending) {
                 if pending.is_none() {
                     *pending = sideband.advance(&bands[sideband.band]);
                 }
             }
-            if !self.close() {
+            if !self.close(bands) {
                 return;
             }
         }
     }
 
     /// Closes one integration, or two that belong together; false if all wait for data.
-    fn close(&mut self) -> bool {
-        if self.pairs() {
+    fn close(&mut self, bands: &[Band]) -> bool {
+        if self.pairs() && self.sidebands[0].length == self.sidebands[1].length {
             match &self.pending[..] {
-                [Some(lower), Some(upper)] if self.belong(lower, upper.first) => {
+                [Some(lower), Some(upper)] if self.within(WAIT_S, lower, upper.first) => {
                     let (lower, upper) = (lower.clone(), upper.clone());
                     self.pending = vec![None, None];
                     self.close_pair(&lower, &upper);
                     return true;
                 }
-                [Some(epoch), None] if self.belong(epoch, self.sidebands[1].begins()) => {
+                [Some(epoch), None] if self.within(WAIT_S, epoch, self.sidebands[1].begins()) => {
                     return false;
                 }
-                [None, Some(epoch)] if self.belong(epoch, self.sidebands[0].begins()) => {
+                [None, Some(epoch)] if self.within(WAIT_S, epoch, self.sidebands[0].begins()) => {
                     return false;
                 }
                 _ => {}
@@ -85,19 +94,48 @@ impl Channel {
         let earliest = (0..self.pending.len())
             .filter_map(|i| self.pending[i].as_ref().map(|e| (e.end(), i)))
             .min();
-        let Some((_, i)) = earliest else {
+        let Some((end, i)) = earliest else {
             return false;
         };
+        // Were one of the other to end before this, it would have come by now: the order of
+        // integrations does not depend on how samples come.
+        if bands[self.sidebands[i].band].end() < end + self.latest {
+            return false;
+        }
         self.part();
         if let Some(epoch) = self.pending[i].take() {
+            if self.pairs() {
+                self.record_apart(i, &epoch);
+            }
             self.sidebands[i].close_own(&epoch);
         }
         true
     }
 
-    /// Whether an integration and one of the other sideband are of the same transmit time.
-    fn belong(&self, epoch: &Epoch, other_first: u64) -> bool {
-        (epoch.first.abs_diff(other_first) as f64) < PAIRED_S * self.sample_rate_hz
+    /// Whether an integration and one of the other sideband begin within `span_s`.
+    fn within(&self, span_s: f64, epoch: &Epoch, other_first: u64) -> bool {
+        (epoch.first.abs_diff(other_first) as f64) < span_s * self.sample_rate_hz
+    }
+
+    /// Records sidebands that are steered by themselves, once both have been measured.
+    fn record_apart(&mut self, i: usize, epoch: &Epoch) {
+        let measured = self.sidebands[i].measure(epoch);
+        self.apart[i] = Some((epoch.clone(), measured));
+        let [lower, upper] = self.apart.each_mut().map(Option::take);
+        match (lower, upper) {
+            (Some(lower), Some(upper)) if self.within(PAIRED_S, &lower.0, upper.0.first) => {
+                self.record([&lower.0, &upper.0], [lower.1, upper.1]);
+            }
+            (Some(lower), Some(upper)) => {
+                // The later one may yet find its partner.
+                if lower.0.first < upper.0.first {
+                    self.apart[1] = Some(upper);
+                } else {
+                    self.apart[0] = Some(lower);
+                }
+            }
+            one => self.apart = one.into(),
+        }
     }
 
     /// Two sidebands, both synchronised.
@@ -112,6 +150,7 @@ impl Channel {
 
     fn close_pair(&mut self, lower: &Epoch, upper: &Epoch) {
         let interval = upper.interval_s();
+        self.apart = [None, None];
         let epochs = [lower, upper];
         let measured = [0, 1].map(|i| self.sidebands[i].measure(epochs[i]));
         self.record(epochs, measured);

@@ -27,6 +27,8 @@ pub struct TrackConfig {
     pub qmboc: bool,
     /// Couple the two sidebands of a satellite.
     pub combo: bool,
+    /// Correlate the data component beside its pilot.
+    pub data_component: bool,
 }
 
 impl Default for TrackConfig {
@@ -42,6 +44,7 @@ impl Default for TrackConfig {
             cn0_min_dbhz: 25.0,
             qmboc: true,
             combo: true,
+            data_component: false,
         }
     }
 }

@@ -1,62 +1,78 @@
-//! The tracker: shared front ends, all satellites, and the threads to run them.
+//! The tracker: all satellites, and the threads to run them.
+//!
+//! Each thread has front ends and satellites of its own, so that threads share nothing but the
+//! samples: to mix and sum a band again costs less than to fetch its sums from another core.
 
 use rayon::prelude::*;
 
-use super::channel::Channel;
+use super::channel::{Channel, WAIT_S};
 use super::config::TrackConfig;
-use super::epoch::Seed;
+pub use super::input::{Input, Target};
 use super::log::State;
 use super::sideband::Sideband;
-use crate::dsp::prefix::PrefixBand;
-use crate::sample::SampleFormat;
-use crate::signal;
+use crate::dsp::front_end::FrontEnd;
+use crate::simd::Level;
 use crate::{Error, Result};
 
-/// Samples per round of front ends and channels.
-const CHUNK: usize = 1 << 16;
+/// The oscillators follow the satellites' common frequency if it is farther off than this, Hz.
+const DETUNED_HZ: f64 = 500.0;
 
-/// What a recording's samples are.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Input {
-    /// Sample format.
-    pub format: SampleFormat,
-    /// Negate Q.
-    pub conjugate: bool,
-    /// Factor from float samples to integers.
-    pub float_scale: f32,
-    /// Sample rate.
-    pub sample_rate_hz: f64,
-    /// Radio frequency at 0 Hz in the file.
-    pub lo_hz: f64,
-    /// First sample that will be fed.
-    pub start: u64,
+/// Front ends and satellites of one thread.
+struct Unit {
+    /// Carriers of the front end's bands.
+    carriers_hz: Vec<f64>,
+    front: FrontEnd,
+    channels: Vec<Channel>,
 }
 
-/// A signal to track.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Target {
-    /// Registry name.
-    pub signal: String,
-    /// Satellite.
-    pub prn: u16,
-    /// Where it was found.
-    pub seed: Seed,
-}
-
-impl Target {
-    fn check(&self, sample_rate_hz: f64) -> Result<()> {
-        let Seed {
-            doppler_hz,
-            code_delay_s,
-            ..
-        } = self.seed;
-        if doppler_hz.abs() < 0.5 * sample_rate_hz && (0.0..1e3).contains(&code_delay_s) {
-            return Ok(());
+impl Unit {
+    fn new(channels: Vec<Channel>, input: &Input, level: Level) -> Self {
+        let mut unit = Unit {
+            carriers_hz: Vec::new(),
+            front: FrontEnd::new(input.stream(), &[], 0, level),
+            channels,
+        };
+        let mut reach = 0;
+        for sideband in unit.channels.iter_mut().flat_map(|c| &mut c.sidebands) {
+            let carrier = sideband.spec.carrier_hz;
+            let known = unit.carriers_hz.iter().position(|&c| c == carrier);
+            sideband.band = known.unwrap_or(unit.carriers_hz.len());
+            if known.is_none() {
+                unit.carriers_hz.push(carrier);
+            }
+            reach = reach.max(sideband.taps.reach() as usize);
         }
-        Err(Error::Invalid(format!(
-            "{} {}: a Doppler of {doppler_hz} Hz and a code delay of {code_delay_s} s cannot be",
-            self.signal, self.prn
-        )))
+        let fs = input.sample_rate_hz;
+        let frequencies: Vec<f64> = unit
+            .carriers_hz
+            .iter()
+            .map(|c| (c - input.lo_hz) / fs)
+            .collect();
+        // And for a sideband that waits for its partner.
+        let history = FrontEnd::history(reach) + (WAIT_S * fs) as usize;
+        unit.front = FrontEnd::new(input.stream(), &frequencies, history, level);
+        unit
+    }
+
+    fn feed(&mut self, bytes: &[u8]) {
+        let channels = &mut self.channels;
+        self.front.feed(bytes, |bands| {
+            for channel in channels.iter_mut() {
+                channel.advance(bands);
+            }
+        });
+    }
+
+    /// Moves the oscillators to the given Doppler of each carrier.
+    fn retune(&mut self, doppler_hz: &[(f64, f64)], sample_rate_hz: f64) {
+        for (carrier, band) in self.carriers_hz.iter().zip(self.front.bands_mut()) {
+            let wanted = doppler_hz.iter().find(|d| d.0 == *carrier);
+            if let Some((_, doppler_hz)) = wanted {
+                if (doppler_hz - band.offset() * sample_rate_hz).abs() > DETUNED_HZ {
+                    band.retune(doppler_hz / sample_rate_hz);
+                }
+            }
+        }
     }
 }
 
@@ -64,10 +80,9 @@ impl Target {
 pub struct Tracker {
     input: Input,
     pool: rayon::ThreadPool,
-    carriers_hz: Vec<f64>,
-    bands: Vec<PrefixBand>,
-    channels: Vec<Channel>,
-    samples: Vec<i16>,
+    units: Vec<Unit>,
+    /// Unit and place of each channel, in the order of the targets.
+    order: Vec<(usize, usize)>,
     position: u64,
 }
 
@@ -83,98 +98,100 @@ impl Tracker {
         targets: &[Target],
         threads: usize,
     ) -> Result<Self> {
+        Self::with_level(input, config, targets, threads, Level::best())
+    }
+
+    /// The same, with given vector instructions.
+    ///
+    /// # Errors
+    /// As [`Tracker::new`].
+    pub fn with_level(
+        input: Input,
+        config: &TrackConfig,
+        targets: &[Target],
+        threads: usize,
+        level: Level,
+    ) -> Result<Self> {
         config.check()?;
+        input.check()?;
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
             .map_err(|e| Error::Invalid(format!("cannot start {threads} threads: {e}")))?;
-        let mut carriers_hz: Vec<f64> = Vec::new();
-        for target in targets {
-            let carrier = signal::find(&target.signal)?.carrier_hz;
-            if !carriers_hz.contains(&carrier) {
-                carriers_hz.push(carrier);
-            }
-        }
-        let fs = input.sample_rate_hz;
-        // A chunk, a millisecond for a sideband that waits for its partner, and the far taps.
-        let history = CHUNK + (1.2e-3 * fs) as usize + 4096;
-        let bands = carriers_hz
-            .iter()
-            .map(|c| {
-                let frequency = (c - input.lo_hz) / fs;
-                PrefixBand::new(frequency, input.format.is_complex(), input.start, history)
-            })
-            .collect();
+        let channels = build_channels(&input, config, targets)?;
+        let (groups, order) = shared_out(channels, threads);
+        let units = groups.into_iter().map(|g| Unit::new(g, &input, level));
         let mut tracker = Tracker {
             position: input.start,
+            units: units.collect(),
             input,
             pool,
-            carriers_hz,
-            bands,
-            channels: vec![],
-            samples: vec![],
+            order,
         };
-        tracker.channels = tracker.build_channels(config, targets)?;
+        tracker.retune();
         Ok(tracker)
     }
 
-    fn build_channels(&self, config: &TrackConfig, targets: &[Target]) -> Result<Vec<Channel>> {
-        let mut satellites: Vec<((char, u16), Vec<Sideband>)> = Vec::new();
-        for target in targets {
-            let sideband = self.build_sideband(config, target)?;
-            let key = (sideband.spec.system, target.prn);
-            match satellites.iter_mut().find(|s| s.0 == key) {
-                Some(satellite) => satellite.1.push(sideband),
-                None => satellites.push((key, vec![sideband])),
+    /// Absorbs raw bytes of whole samples.
+    ///
+    /// # Panics
+    /// If they are not.
+    pub fn feed(&mut self, bytes: &[u8]) {
+        let bits = self.input.format.bits_per_sample();
+        let mut rest = bytes;
+        while !rest.is_empty() {
+            let next = self.input.next_retuning(self.position);
+            // To the end of a byte, where that holds several samples.
+            let length = ((next - self.position) as usize * bits).div_ceil(8);
+            let (piece, after) = rest.split_at(length.min(rest.len()));
+            let units = &mut self.units;
+            self.pool
+                .install(|| units.par_iter_mut().for_each(|unit| unit.feed(piece)));
+            self.position += (piece.len() * 8 / bits) as u64;
+            if self.position >= next {
+                self.retune();
+            }
+            rest = after;
+        }
+    }
+
+    /// Moves the bands' oscillators to the middle of the satellites' Doppler frequencies, which a
+    /// receiver's clock error moves as a whole.
+    fn retune(&mut self) {
+        let mut middle: Vec<(f64, f64)> = Vec::new();
+        let sidebands = || {
+            self.units
+                .iter()
+                .flat_map(|u| &u.channels)
+                .flat_map(|c| &c.sidebands)
+        };
+        for carrier in self.units.iter().flat_map(|u| &u.carriers_hz) {
+            let held = sidebands()
+                .filter(|s| s.spec.carrier_hz == *carrier && s.state() != State::Lost)
+                .map(Sideband::doppler_hz);
+            let (low, high) = held.fold((f64::MAX, f64::MIN), |(l, h), d| (l.min(d), h.max(d)));
+            if low <= high {
+                middle.push((*carrier, 0.5 * (low + high)));
             }
         }
-        let fs = self.input.sample_rate_hz;
-        Ok(satellites
-            .into_iter()
-            .flat_map(|((_, prn), sidebands)| {
-                let channel = move |s| Channel::new(prn, s, config, fs);
-                coupled(sidebands).into_iter().map(channel)
-            })
-            .collect())
+        for unit in &mut self.units {
+            unit.retune(&middle, self.input.sample_rate_hz);
+        }
     }
 
-    fn build_sideband(&self, config: &TrackConfig, target: &Target) -> Result<Sideband> {
-        let spec = signal::find(&target.signal)?;
-        target.check(self.input.sample_rate_hz)?;
-        let band = self
-            .carriers_hz
-            .iter()
-            .position(|&c| c == spec.carrier_hz)
-            .unwrap_or(0);
-        let (fs, start) = (self.input.sample_rate_hz, self.input.start);
-        Sideband::new(spec, target.prn, band, fs, config, target.seed, start)
+    /// All satellites with what they recorded, in the order of the targets.
+    pub fn channels(&self) -> impl Iterator<Item = &Channel> {
+        self.order.iter().map(|&(u, c)| &self.units[u].channels[c])
     }
 
-    /// Absorbs raw bytes of whole samples.
-    pub fn feed(&mut self, bytes: &[u8]) {
-        let Input {
-            format,
-            conjugate,
-            float_scale,
-            ..
-        } = self.input;
-        self.position += (bytes.len() * 8 / format.bits_per_sample()) as u64;
-        let (samples, bands, channels) = (&mut self.samples, &mut self.bands, &mut self.channels);
-        self.pool.install(|| {
-            for chunk in bytes.chunks(CHUNK * format.bits_per_sample() / 8) {
-                samples.clear();
-                format.unpack(chunk, float_scale, conjugate, samples);
-                bands.par_iter_mut().for_each(|band| band.feed(samples));
-                channels
-                    .par_iter_mut()
-                    .for_each(|channel| channel.advance(bands));
-            }
-        });
-    }
-
-    /// All satellites with what they recorded.
-    pub fn channels(&self) -> &[Channel] {
-        &self.channels
+    /// The same, so that rows may be taken out.
+    pub fn channels_mut(&mut self) -> Vec<&mut Channel> {
+        let order = &self.order;
+        let mut placed: Vec<_> = (self.units.iter_mut().enumerate())
+            .flat_map(|(u, unit)| (0..).map(move |c| (u, c)).zip(&mut unit.channels))
+            .collect();
+        placed.sort_by_key(|(place, _)| order.iter().position(|o| o == place));
+        placed.into_iter().map(|(_, channel)| channel).collect()
     }
 
     /// Next sample to be fed.
@@ -184,8 +201,7 @@ impl Tracker {
 
     /// Signals that are lost now, with their last Doppler.
     pub fn lost(&self) -> Vec<(String, u16, f64)> {
-        self.channels
-            .iter()
+        self.channels()
             .flat_map(|c| c.sidebands.iter().map(move |s| (c.prn, s)))
             .filter(|(_, s)| s.state() == State::Lost)
             .map(|(prn, s)| (s.spec.id.to_owned(), prn, s.doppler_hz()))
@@ -199,8 +215,9 @@ impl Tracker {
     pub fn restart(&mut self, target: &Target) -> Result<()> {
         target.check(self.input.sample_rate_hz)?;
         let earliest = self.position();
-        self.channels
+        self.units
             .iter_mut()
+            .flat_map(|u| &mut u.channels)
             .filter(|c| c.prn == target.prn)
             .flat_map(|c| &mut c.sidebands)
             .find(|s| s.spec.id == target.signal)
@@ -210,6 +227,43 @@ impl Tracker {
             .restart(target.seed, earliest);
         Ok(())
     }
+}
+
+fn build_channels(input: &Input, config: &TrackConfig, targets: &[Target]) -> Result<Vec<Channel>> {
+    let fs = input.sample_rate_hz;
+    let mut satellites: Vec<((char, u16), Vec<Sideband>)> = Vec::new();
+    for target in targets {
+        let spec = target.check(fs)?;
+        let sideband = Sideband::new(spec, target.prn, fs, config, target.seed, input.start)?;
+        let key = (sideband.spec.system, target.prn);
+        match satellites.iter_mut().find(|s| s.0 == key) {
+            Some(satellite) => satellite.1.push(sideband),
+            None => satellites.push((key, vec![sideband])),
+        }
+    }
+    Ok(satellites
+        .into_iter()
+        .flat_map(|((_, prn), sidebands)| {
+            let channel = move |s| Channel::new(prn, s, config, fs);
+            coupled(sidebands).into_iter().map(channel)
+        })
+        .collect())
+}
+
+/// Shares channels out among threads, the work as even as can be; and says where each went.
+fn shared_out(channels: Vec<Channel>, threads: usize) -> (Vec<Vec<Channel>>, Vec<(usize, usize)>) {
+    let mut groups: Vec<Vec<Channel>> = Vec::new();
+    groups.resize_with(threads.clamp(1, channels.len().max(1)), Vec::new);
+    let mut order = Vec::new();
+    for channel in channels {
+        let work = |g: &Vec<Channel>| g.iter().map(|c| c.sidebands.len()).sum::<usize>();
+        let least = (0..groups.len())
+            .min_by_key(|&g| work(&groups[g]))
+            .unwrap_or(0);
+        order.push((least, groups[least].len()));
+        groups[least].push(channel);
+    }
+    (groups, order)
 }
 
 /// Groups a satellite's sidebands: first the two to be coupled, of its lowest and its highest

@@ -19,6 +19,8 @@ pub struct Seed {
 pub struct Epoch {
     /// Sum per tap.
     pub taps: Vec<C64>,
+    /// Prompt of the companion signal; 0 without one.
+    pub companion: C64,
     /// Coherent time in slices.
     pub slices: usize,
     /// First sample and number of samples.

@@ -43,6 +43,15 @@ pub struct SignalRows {
     pub phase_lock: Vec<f64>,
     /// Correlator outputs, row after row.
     pub taps: Vec<Complex<f32>>,
+    /// Prompt of the data component beside its pilot; 0 where it is not received.
+    pub data_prompt: Vec<Complex<f32>>,
+}
+
+impl SignalRows {
+    /// Hands out what was recorded since the last call.
+    pub fn take(&mut self) -> Self {
+        std::mem::take(self)
+    }
 }
 
 /// Rows of a satellite's pair of sidebands.
@@ -66,4 +75,11 @@ pub struct ComboRows {
     pub code_difference_s: Vec<f64>,
     /// Subcarrier-lock indicator.
     pub subcarrier_lock: Vec<f64>,
+}
+
+impl ComboRows {
+    /// Hands out what was recorded since the last call.
+    pub fn take(&mut self) -> Self {
+        std::mem::take(self)
+    }
 }

@@ -4,6 +4,9 @@
 //! at B T = 0.1. Here the natural frequency is solved for, on the loop as it runs: the
 //! discriminator sees the mean error over an interval, the oscillator holds its rate over the next.
 
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
+
 /// A loop filter of order 1 to 3: mean error over an interval in, oscillator rate out.
 #[derive(Debug, Clone)]
 pub struct LoopFilter {
@@ -30,17 +33,8 @@ impl LoopFilter {
     /// `bandwidth_hz` at updates every `interval_s`. `bandwidth_hz * interval_s` must not exceed
     /// 0.25.
     pub fn new(order: usize, bandwidth_hz: f64, interval_s: f64) -> Self {
-        let (mut low, mut high) = (0.1 * bandwidth_hz, 8.0 * bandwidth_hz);
-        for _ in 0..50 {
-            let w = (low * high).sqrt();
-            if noise_bandwidth_hz(gains(order, w), interval_s) < bandwidth_hz {
-                low = w;
-            } else {
-                high = w;
-            }
-        }
         LoopFilter {
-            gains: gains(order, (low * high).sqrt()),
+            gains: gains(order, natural_frequency(order, bandwidth_hz, interval_s)),
             interval_s,
             rate: 0.0,
             acceleration: 0.0,
@@ -60,6 +54,33 @@ impl LoopFilter {
         self.rate += self.interval_s * (self.gains[1] * error + self.acceleration);
         self.rate + self.gains[0] * error
     }
+}
+
+/// Natural frequency of the loop with the given noise bandwidth. Found once for each design: a
+/// receiver's channels change between a handful of them all the time.
+fn natural_frequency(order: usize, bandwidth_hz: f64, interval_s: f64) -> f64 {
+    static KNOWN: Mutex<BTreeMap<(usize, u64, u64), f64>> = Mutex::new(BTreeMap::new());
+    let design = (order, bandwidth_hz.to_bits(), interval_s.to_bits());
+    let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    let found = known().get(&design).copied();
+    found.unwrap_or_else(|| {
+        let frequency = solve_natural_frequency(order, bandwidth_hz, interval_s);
+        known().insert(design, frequency);
+        frequency
+    })
+}
+
+fn solve_natural_frequency(order: usize, bandwidth_hz: f64, interval_s: f64) -> f64 {
+    let (mut low, mut high) = (0.1 * bandwidth_hz, 8.0 * bandwidth_hz);
+    for _ in 0..50 {
+        let w = (low * high).sqrt();
+        if noise_bandwidth_hz(gains(order, w), interval_s) < bandwidth_hz {
+            low = w;
+        } else {
+            high = w;
+        }
+    }
+    (low * high).sqrt()
 }
 
 /// Single-sided noise bandwidth of the closed loop, from its impulse response:

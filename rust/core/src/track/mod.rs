@@ -12,6 +12,7 @@ pub mod discriminator;
 pub mod engine;
 pub mod epoch;
 pub mod frequency;
+mod input;
 pub mod log;
 pub mod loop_filter;
 pub mod quality;

@@ -16,8 +16,8 @@ use super::loop_filter::LoopFilter;
 use super::quality::{Cn0, Lock, RunningMean};
 use super::sync::{SecondarySync, SymbolSync};
 use super::taps::Taps;
+use crate::dsp::band::Band;
 use crate::dsp::correlator::Correlator;
-use crate::dsp::prefix::PrefixBand;
 use crate::dsp::replica::{Replica, SLICE_S};
 use crate::signal::{Modulation, SignalSpec};
 use crate::{Result, C64};
@@ -32,7 +32,7 @@ pub(super) enum Sync {
 pub struct Sideband {
     /// The signal.
     pub spec: &'static SignalSpec,
-    /// Which of the tracker's bands it is in.
+    /// Which of its front end's bands it is in.
     pub band: usize,
     /// How the replica's chips are shaped.
     pub modulation: Modulation,
@@ -70,6 +70,12 @@ pub struct Sideband {
     pub(super) pull_in_s: f64,
 }
 
+/// At the start of a code period.
+fn correlator(replica: &Arc<Replica>, taps: &Taps, start: f64) -> Correlator {
+    let replica = Arc::clone(replica);
+    Correlator::with_outer_taps(replica, &taps.offsets, &taps.outer(), 0, start)
+}
+
 impl Sideband {
     /// A sideband that starts to pull in at the first code period that begins at or after
     /// `earliest` samples.
@@ -79,7 +85,6 @@ impl Sideband {
     pub fn new(
         spec: &'static SignalSpec,
         prn: u16,
-        band: usize,
         sample_rate_hz: f64,
         config: &TrackConfig,
         seed: Seed,
@@ -89,17 +94,21 @@ impl Sideband {
             Modulation::Qmboc if !config.qmboc => Modulation::Boc11,
             m => m,
         };
-        let replica = Arc::new(Replica::new(spec, prn, modulation)?);
+        let mut replica = Replica::new(spec, prn, modulation)?;
+        if let Some(companion) = spec.companion().filter(|_| config.data_component) {
+            replica = replica.with_companion(spec, companion, prn)?;
+        }
+        let replica = Arc::new(replica);
         let samples_per_chip = sample_rate_hz / spec.chip_rate_hz;
         let taps = Taps::new(modulation, &spec.code(prn)?, samples_per_chip);
         let mut sideband = Sideband {
             spec,
-            band,
+            band: 0,
             modulation,
             rows: SignalRows::default(),
             config: config.clone(),
             sample_rate_hz,
-            correlator: Correlator::new(Arc::clone(&replica), &taps.offsets, 0, 0.0),
+            correlator: correlator(&replica, &taps, 0.0),
             taps,
             replica,
             state: State::PullIn,
@@ -133,7 +142,7 @@ impl Sideband {
         let period = self.spec.code_length as f64 / rate * self.sample_rate_hz;
         let mut start = seed.sample as f64 + seed.code_delay_s * self.sample_rate_hz;
         start += ((earliest - start) / period).ceil().max(0.0) * period;
-        self.correlator = Correlator::new(Arc::clone(&self.replica), &self.taps.offsets, 0, start);
+        self.correlator = correlator(&self.replica, &self.taps, start);
         self.sync = match self.symbol {
             None => Sync::Secondary(SecondarySync::new(self.overlay.clone())),
             Some(1) => Sync::Known,
@@ -258,7 +267,7 @@ impl Sideband {
     }
 
     /// Works off what the band holds, up to the end of an integration.
-    pub fn advance(&mut self, band: &PrefixBand) -> Option<Epoch> {
+    pub fn advance(&mut self, band: &Band) -> Option<Epoch> {
         if self.state == State::Lost {
             return None;
         }
@@ -266,11 +275,12 @@ impl Sideband {
             let carrier_cycles = self.correlator.carrier_cycles();
             let samples_per_chip = self.correlator.samples_per_chip();
             let code_chips = self.chips as f64 - self.correlator.fraction() / samples_per_chip;
+            let sign = self.overlay_sign();
             let slice = self.correlator.advance(band)?;
             self.cn0.add_noise(slice.taps[self.taps.noise], SLICE_S);
-            let sign = self.overlay_sign();
             let epoch = self.partial.get_or_insert_with(|| Epoch {
                 taps: vec![C64::default(); slice.taps.len()],
+                companion: C64::default(),
                 slices: 0,
                 first: slice.start,
                 samples: 0,
@@ -280,6 +290,7 @@ impl Sideband {
             for (sum, tap) in epoch.taps.iter_mut().zip(&slice.taps) {
                 *sum += tap * sign;
             }
+            epoch.companion += slice.companion;
             epoch.slices += 1;
             epoch.samples += slice.samples;
             self.chips += self.replica.chips_per_slice();

@@ -1,6 +1,7 @@
 //! Correlator taps: very early, early, prompt, late, very late, and one far off for noise.
 
 use super::discriminator::early_late_slope;
+use crate::dsp::ring::LANES;
 use crate::signal::Modulation;
 
 /// The taps of a sideband, in whole samples.
@@ -19,15 +20,16 @@ pub struct Taps {
 impl Taps {
     /// Taps for a modulation at a sampling density; `code` chooses where noise is measured.
     pub fn new(modulation: Modulation, code: &[i8], samples_per_chip: f64) -> Self {
-        // Half the early-late spacing in chips: on the straight flank of the main peak.
-        let half = match modulation {
-            Modulation::Bpsk => 0.25,
-            Modulation::Boc11 => 0.1,
+        // Half the early-late spacing in chips: on the straight flank of the main peak; and where
+        // the outer taps look for another peak.
+        let (half, outer) = match modulation {
+            Modulation::Bpsk => (0.25, 0.4),
+            Modulation::Boc11 => (0.1, 0.5),
             // BOC(6,1) bends the flank at 1/12 chip.
-            Modulation::Qmboc => 0.06,
+            Modulation::Qmboc => (0.06, 0.5),
         };
-        let near = ((half * samples_per_chip).round() as i64).max(1);
-        let far = ((0.5 * samples_per_chip).round() as i64).max(near + 1);
+        let near = on_raster(half * samples_per_chip).max(1);
+        let far = on_raster(outer * samples_per_chip).max(near + 1);
         let noise = -(quiet_lag(code) * samples_per_chip).round() as i64;
         Taps {
             offsets: vec![-far, -near, 0, near, far, noise],
@@ -37,9 +39,28 @@ impl Taps {
         }
     }
 
+    /// Which taps are off the main peak.
+    pub fn outer(&self) -> Vec<bool> {
+        (0..self.offsets.len())
+            .map(|tap| tap.abs_diff(self.prompt) > 1)
+            .collect()
+    }
+
     /// Largest distance of a tap from the prompt, samples.
     pub fn reach(&self) -> i64 {
         self.offsets.iter().map(|o| o.abs()).max().unwrap_or(0)
+    }
+}
+
+/// A distance in whole samples: a multiple of [`LANES`], which correlates faster, where one is near
+/// enough.
+fn on_raster(samples: f64) -> i64 {
+    let lanes = LANES as f64;
+    let raster = (samples / lanes).round() * lanes;
+    if (raster - samples).abs() <= 0.35 * samples {
+        raster as i64
+    } else {
+        samples.round() as i64
     }
 }
 

@@ -22,7 +22,7 @@ pub(crate) struct Loops(Level);
 impl Loops {
     /// The loops at `level`, or at the best lower one that this processor has.
     pub(crate) fn new(level: Level) -> Loops {
-        Loops(level.min(Level::best()))
+        Loops(level.lowered())
     }
 
     /// Replaces each word by the sum of all words up to it, wrapping.

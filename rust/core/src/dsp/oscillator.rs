@@ -1,0 +1,107 @@
+//! The local oscillator of a band: fixed point, defined by the absolute sample index alone.
+//!
+//! A phase has 128 cells. The cell of a sample comes from 15-bit phases, that of the first sample
+//! of its block of 128 plus that of its place in the block, so that a vector unit can add them in
+//! 16 bits and every form of the front end finds the same cell. What lies between two cells goes
+//! to either in proportion, by a dither from block to block: without it a frequency of a simple
+//! ratio to the sample rate would always find the same cells, and be off by up to half of one.
+
+use std::sync::LazyLock;
+
+use super::ring::BLOCK;
+
+/// Amplitude of the oscillator.
+pub(crate) const AMPLITUDE: i32 = 127;
+/// Cells of a cycle.
+pub(crate) const CELLS: usize = 128;
+
+/// cos at each cell; -sin is a quarter of a cycle further on.
+pub(crate) static COSINE: LazyLock<[i8; CELLS]> = LazyLock::new(|| {
+    std::array::from_fn(|i| {
+        let angle = std::f64::consts::TAU * i as f64 / CELLS as f64;
+        (f64::from(AMPLITUDE) * angle.cos()).round() as i8
+    })
+});
+
+/// A quarter of a cycle in cells.
+pub(crate) const QUARTER: usize = CELLS / 4;
+
+/// exp(-j 2 pi phase) at each cell, scaled.
+pub(crate) static WAVE: LazyLock<[[i32; 2]; CELLS]> = LazyLock::new(|| {
+    let cosine = |i: usize| i32::from(COSINE[i % CELLS]);
+    std::array::from_fn(|i| [cosine(i), cosine(i + QUARTER)])
+});
+
+/// The oscillator at the first sample of a block.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Block {
+    phase: u64,
+    /// Per block.
+    step: u64,
+    number: u64,
+}
+
+impl Block {
+    /// Dithered 15-bit phase. The dither is below one cell, and as even as can be over any few
+    /// blocks (multiples of the golden ratio).
+    #[inline(always)]
+    pub(crate) fn start(self) -> u16 {
+        let dither = self.number.wrapping_mul(159) & 0xff;
+        ((self.phase >> 49) as u16).wrapping_add(dither as u16)
+    }
+
+    /// The next block.
+    #[inline(always)]
+    pub(crate) fn next(self) -> Self {
+        Block {
+            phase: self.phase.wrapping_add(self.step),
+            number: self.number.wrapping_add(1),
+            ..self
+        }
+    }
+}
+
+/// An oscillator of constant frequency.
+#[derive(Debug, Clone)]
+pub(crate) struct Oscillator {
+    /// Phase per sample, 2^-64 cycles.
+    step: u64,
+    /// Sample at which `phase` holds.
+    origin: u64,
+    phase: u64,
+    /// 15-bit phase of each place in a block.
+    pub(crate) places: [u16; BLOCK],
+}
+
+impl Oscillator {
+    /// An oscillator with the given phase (2^-64 cycles) at sample `origin`.
+    pub(crate) fn new(step: u64, origin: u64, phase: u64) -> Self {
+        Oscillator {
+            step,
+            origin,
+            phase,
+            places: std::array::from_fn(|k| (step.wrapping_mul(k as u64) >> 49) as u16),
+        }
+    }
+
+    /// Phase at a sample, 2^-64 cycles.
+    pub(crate) fn phase(&self, sample: u64) -> u64 {
+        let ahead = sample.wrapping_sub(self.origin);
+        self.phase.wrapping_add(self.step.wrapping_mul(ahead))
+    }
+
+    /// The block that `sample` is in.
+    pub(crate) fn block(&self, sample: u64) -> Block {
+        Block {
+            phase: self.phase(sample & !(BLOCK as u64 - 1)),
+            step: self.step.wrapping_mul(BLOCK as u64),
+            number: sample / BLOCK as u64,
+        }
+    }
+
+    /// Cell of a sample, from its block's [`Block::start`].
+    #[inline(always)]
+    pub(crate) fn cell(&self, block: u16, place: usize) -> usize {
+        (block.wrapping_add(self.places[place]) >> 8) as usize & (CELLS - 1)
+    }
+}
