@@ -43,14 +43,15 @@ check: setup
 	$(call step,stubtest)
 	$(BIN)/python -m mypy.stubtest sdr_spoof._core --allowlist rust/py/stubtest-allowlist.txt
 
-# The kernels by themselves, with criterion: cargo bench --package sdr_spoof_benches
+# The kernels by themselves, with criterion: cargo bench --package sdr_spoof_benches.
+# For docs/validation.md: sdr-spoof bench --markdown, and sdr-spoof validate speed.
 bench: setup
 	$(BIN)/sdr-spoof bench
 
 # Instructions of a fixed workload against benches/instructions.toml; needs valgrind.
 bench-check bench-update: $(DEPENDENCIES)
-	cargo build --release --locked --quiet --package sdr_spoof_benches --bin instructions
-	$(BIN)/python benches/instructions.py target/release/instructions \
+	cargo build --profile counted --locked --quiet --package sdr_spoof_benches --bin instructions
+	$(BIN)/python benches/instructions.py target/counted/instructions \
 		$(if $(filter bench-update,$@),--update)
 
 setup: $(EXTENSION)

@@ -82,10 +82,11 @@ def receiver(job: Job, folder: Path) -> Action:
     found = [a for a in seeds(scenario(job.rate, job.signal_s)) if a.signal in signals]
 
     def work() -> None:
-        log = track(recording, found, tracking, threads=job.threads)
+        log = track(recording, found, tracking, threads=job.threads, rows_in=folder)
         result = Result.of(recording, config, acquisitions=found, log=log)
         write_result(folder / "result.h5", result, force=True)
-        if not all(t.state[-1] >= State.SYNCED for t in log.signals):
+        ends = [t.part(t.epochs - 1, t.epochs).state for t in log.signals]
+        if not all(end >= State.SYNCED for end in ends):
             raise SdrSpoofError(
                 f"{job.msps} Msps, {job.signal_s:g} s: not every signal is synchronised at the "
                 "end, and such a run says nothing; take longer recordings"

@@ -5,10 +5,11 @@ instructions; every channel is under way before timing begins. Each point is the
 many short runs: whatever else the machine does can only make a run longer.
 
 - sample rate: the front end of one band, and one channel more (slope over 12 to 36 channels), on
-  complex samples around the band, with taps as far apart in time at every rate;
+  complex samples around the band, with taps 8 samples apart and as far apart in time as these are
+  at 120 Msps;
 - channels: an engine with 0 to 48 channels of one kind, real samples at 120 Msps;
 - taps: one channel more with 1 to 24 taps, on the raster of 8 samples (eight of them are one
-  load) and next to each other (each is a load of its own);
+  load) and next to each other (the first eight are a load each);
 - threads: W1 and W2, wall time, with more threads than cores too.
 """
 
@@ -44,6 +45,9 @@ MSPS = (5, 10, 20, 40, 60, 80, 120)
 CHANNELS = (0, 6, 12, 18, 24, 36, 48)
 TAPS = (1, 2, 4, 6, 8, 9, 12, 16, 17, 20, 24)
 SLOPE = (12, 24, 36)
+RASTER = (-16, -8, 0, 8, 16)
+CLOSE = ", close taps"
+"""Marks channels whose taps are as far apart in time as the raster at 120 Msps."""
 QMBOC_FROM_MSPS = 20
 """Below, the BOC(6,1) part is not in the band."""
 
@@ -138,10 +142,13 @@ def _against_rate(timer: _Timer) -> Iterator[Cost]:
             # Off the carrier a little, as receivers are.
             rate = Rate(msps * 1e6, "ci8", _carrier_hz(kind) - 0.3e6, (), ())
             if kind == "B1I":
-                cost = timer.engine(rate, [[]], taps(rate), [_carrier_hz(kind)])
+                cost = timer.engine(rate, [[]], RASTER, [_carrier_hz(kind)])
                 yield Cost("msps", msps, "front end of a band", cost)
             if "QMBOC" not in kind or msps >= QMBOC_FROM_MSPS:
-                yield Cost("msps", msps, kind, timer.slope(rate, kind, taps(rate)))
+                yield Cost("msps", msps, kind, timer.slope(rate, kind, RASTER))
+                if msps < max(MSPS):
+                    cost = timer.slope(rate, kind, taps(rate))
+                    yield Cost("msps", msps, kind + CLOSE, cost)
 
 
 def _against_channels(timer: _Timer) -> Iterator[Cost]:
@@ -149,7 +156,7 @@ def _against_channels(timer: _Timer) -> Iterator[Cost]:
     for kind in KINDS:
         for count in CHANNELS:
             groups = [_channels(rate, kind, count)]
-            cost = timer.engine(rate, groups, taps(rate), [_carrier_hz(kind)])
+            cost = timer.engine(rate, groups, RASTER, [_carrier_hz(kind)])
             yield Cost("channels", count, kind, cost)
 
 
@@ -166,7 +173,7 @@ def _against_threads(timer: _Timer) -> Iterator[Cost]:
     for workload in rate.workloads:
         for threads in range(1, 2 * cores() + 1):
             groups = shared_out(channels(workload, rate), threads, rate)
-            yield Cost("threads", threads, workload, timer.engine(rate, groups, taps(rate)))
+            yield Cost("threads", threads, workload, timer.engine(rate, groups, RASTER))
 
 
 _PICTURES = (_against_rate, _against_channels, _against_taps, _against_threads)

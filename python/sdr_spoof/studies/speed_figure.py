@@ -8,6 +8,8 @@ import matplotlib as mpl
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
+from .speed import CLOSE
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
@@ -27,6 +29,9 @@ COLOURS = {
     "W2": "#009E73",
 }
 
+_ROOM = 1.25
+"""Of an axis, so that the legend lies above the lines."""
+
 
 def draw(path: Path, costs: Sequence[Cost], *, cores: int) -> None:
     """Cost against sample rate, channels, taps and threads, one panel each."""
@@ -42,7 +47,7 @@ def draw(path: Path, costs: Sequence[Cost], *, cores: int) -> None:
             _lines(axes, [c for c in costs if c.against == against])
         by_rate.set(
             title="Front end, and one channel more (5 taps)",
-            xlabel="sample rate, Msps (complex int8)",
+            xlabel="sample rate, Msps (taps: solid 8 samples, dashed 67 ns apart)",
         )
         _log(by_rate, [c for c in costs if c.against == "msps"])
         by_channels.set(title="One band, real int8 at 120 Msps, 5 taps", xlabel="channels")
@@ -52,7 +57,7 @@ def draw(path: Path, costs: Sequence[Cost], *, cores: int) -> None:
             axes.set_ylabel("core time, µs per ms of signal")
         by_threads.set_ylabel("time, µs per ms of signal")
         for axes in (by_channels, by_taps, by_threads):
-            axes.set_ylim(bottom=0)
+            axes.set_ylim(0, _ROOM * axes.get_ylim()[1])
         by_threads.xaxis.set_major_locator(
             FixedLocator(sorted({c.value for c in costs if c.against == "threads"}))
         )
@@ -63,13 +68,23 @@ def draw(path: Path, costs: Sequence[Cost], *, cores: int) -> None:
 def _lines(axes: Axes, costs: Sequence[Cost]) -> None:
     for what in dict.fromkeys(c.what for c in costs):
         points = [(c.value, c.us_per_ms) for c in costs if c.what == what]
-        axes.plot(*zip(*points, strict=True), "o-", color=COLOURS[what], label=what, markersize=4)
-    axes.legend(frameon=False)
+        kind = what.removesuffix(CLOSE)
+        close = kind != what
+        axes.plot(
+            *zip(*points, strict=True),
+            linestyle="--" if close else "-",
+            marker="o",
+            markersize=4,
+            color=COLOURS[kind],
+            label=None if close else what,
+        )
+    axes.legend(frameon=False, loc="upper left", ncols=2)
 
 
 def _log(axes: Axes, costs: Sequence[Cost]) -> None:
     """Logarithmic axes with plain numbers."""
     axes.set(xscale="log", yscale="log")
+    axes.set_ylim(top=3 * axes.get_ylim()[1])  # room for the legend
     axes.xaxis.set_major_locator(FixedLocator(sorted({c.value for c in costs})))
     axes.xaxis.set_minor_locator(NullLocator())
     plain = FuncFormatter(lambda value, _: f"{value:g}")

@@ -116,10 +116,10 @@ impl Correlator {
             taps.len(),
             outer.len()
         );
-        let farthest = taps.iter().map(|tap| tap.unsigned_abs()).max();
+        let farthest = taps.iter().map(|tap| tap.unsigned_abs()).fold(0, u64::max);
         assert!(
-            farthest <= Some(FARTHEST_TAP as u64),
-            "a tap {farthest:?} samples from the prompt"
+            farthest <= FARTHEST_TAP as u64,
+            "a tap {farthest} samples from the prompt"
         );
         assert!(
             (0.0..=LAST_SAMPLE as f64).contains(&start),
@@ -206,11 +206,10 @@ impl Correlator {
     /// Within a slice, or to a sample that is not within 0 and [`LAST_SAMPLE`].
     pub fn shift_code(&mut self, samples: f64) {
         self.check_between_slices();
-        let here = i128::from(self.base) << FRACTION | i128::from(self.fraction);
-        let there = here + (samples * ONE).round() as i128;
+        let here = (i128::from(self.base) << FRACTION) | i128::from(self.fraction);
+        let there = here.saturating_add((samples * ONE).round() as i128);
         assert!(
-            samples.abs() <= LAST_SAMPLE as f64
-                && (0..=i128::from(LAST_SAMPLE) << FRACTION).contains(&there),
+            !samples.is_nan() && (0..=i128::from(LAST_SAMPLE) << FRACTION).contains(&there),
             "cannot move a replica at sample {} by {samples}",
             self.base
         );
@@ -255,19 +254,19 @@ impl Correlator {
         self.reach[1].max(-self.reach[0]) as usize
     }
 
-    /// The earliest sample that is still needed; it may lie before the recording.
+    /// The earliest sample that the slice in progress needs; it may lie before the recording.
     pub(crate) fn oldest(&self) -> i64 {
-        let passed = |(part, progress): (&Part, &Progress)| {
-            let list = part.list(progress.fine);
-            let edge = u64::from(list.slices[self.index][progress.edges]);
-            (self.fraction + edge * (self.chip_step / list.subchips)) >> FRACTION
-        };
-        let parts = self.replica.parts.iter().zip(&self.progress);
-        let passed = if self.begun {
-            parts.map(passed).min().unwrap_or(0)
-        } else {
-            0
-        };
+        let parts = 0..self.progress.len();
+        let needed = parts.map(|part| self.needed(part)).min();
+        needed.unwrap_or(self.base as i64)
+    }
+
+    /// The earliest sample that a part of the replica still needs.
+    fn needed(&self, part: usize) -> i64 {
+        let progress = &self.progress[part];
+        let list = self.replica.parts[part].list(progress.fine);
+        let edge = u64::from(list.slices[self.index][progress.edges]);
+        let passed = (self.fraction + edge * (self.chip_step / list.subchips)) >> FRACTION;
         (self.base + passed) as i64 + self.reach[0]
     }
 
@@ -281,12 +280,6 @@ impl Correlator {
         if limit <= 0 {
             return None;
         }
-        assert!(
-            band.end() as i64 - self.oldest() < band.ring().capacity() as i64,
-            "a channel needs sample {} of a band that stands at {} and has forgotten it",
-            self.oldest(),
-            band.end()
-        );
         if !self.begun {
             self.begin(band);
         }
@@ -319,13 +312,18 @@ impl Correlator {
         let longest = LONGEST_STEP as f64 / self.samples_per_chip();
         for (part, progress) in self.replica.parts.iter().zip(&mut self.progress) {
             (progress.fine, progress.runs_per_turn) = part.choose(per_chip, longest);
-            progress.edges = 0;
             progress.sums.fill(Sums::default());
         }
         self.begun = true;
     }
 
     fn advance_part(&mut self, at: usize, band: &Band, limit: i64) -> bool {
+        assert!(
+            band.end() as i64 - self.needed(at) < band.ring().capacity() as i64,
+            "a channel needs sample {} of a band that stands at {} and has forgotten it",
+            self.needed(at),
+            band.end()
+        );
         let part = &self.replica.parts[at];
         let progress = &mut self.progress[at];
         let list = part.list(progress.fine);
@@ -382,6 +380,7 @@ impl Correlator {
         self.fraction = end & ((1 << FRACTION) - 1);
         self.carrier += i128::from(self.carrier_step) * i128::from(whole);
         self.index = (self.index + 1) % self.replica.slices_per_period();
+        self.progress.iter_mut().for_each(|p| p.edges = 0);
         self.begun = false;
     }
 

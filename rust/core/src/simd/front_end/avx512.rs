@@ -72,46 +72,80 @@ struct Carry {
     q: __m512i,
 }
 
+/// A constant of 16 numbers, from the lane.
+macro_rules! lanes {
+    ($lane:ident => $value:expr) => {{
+        let mut numbers = [0; 16];
+        let mut $lane = 0;
+        while $lane < 16 {
+            numbers[$lane] = $value;
+            $lane += 1;
+        }
+        numbers
+    }};
+}
+
+/// Lanes to fetch from, and which fetch at all, to add the totals of the group so far before.
+const SCAN: [(__mmask16, [i32; 16]); 4] = [before(1), before(2), before(4), before(8)];
+
+const fn before(distance: usize) -> (__mmask16, [i32; 16]) {
+    let mut mask = 0;
+    let mut lane = 0;
+    while lane < 16 {
+        mask |= ((group(lane) >= distance) as u16) << lane;
+        lane += 1;
+    }
+    let from = lanes!(lane => if group(lane) >= distance { LANE[group(lane) - distance] as i32 } else { 0 });
+    (mask, from)
+}
+
+/// First and second four bytes of each group, from two vectors of samples.
+const HALVES: [[i32; 16]; 2] = [
+    lanes!(lane => 2 * group(lane) as i32),
+    lanes!(lane => 2 * group(lane) as i32 + 1),
+];
+
+/// High bytes of the words of two vectors.
+const HIGH: [i32; 16] = lanes!(lane => {
+    let byte = 8 * lane as u8 + 1;
+    i32::from_le_bytes([byte, byte + 2, byte + 4, byte + 6])
+});
+
+/// High byte of each word, twice, within four lanes.
+const BOTH: [i32; 16] = lanes!(lane => {
+    let byte = (lane % 4 * 4) as u8;
+    i32::from_le_bytes([byte + 1, byte + 1, byte + 3, byte + 3])
+});
+
+#[inline]
 #[target_feature(enable = "avx512f")]
-fn dwords(f: impl Fn(usize) -> i32) -> __m512i {
-    let v: [i32; 16] = array::from_fn(f);
+fn vector(numbers: &[i32; 16]) -> __m512i {
     // SAFETY: 64 bytes are read from an array of that size.
-    unsafe { _mm512_loadu_si512(v.as_ptr().cast()) }
+    unsafe { _mm512_loadu_si512(numbers.as_ptr().cast()) }
 }
 
-#[target_feature(enable = "avx512f")]
-fn bytes_of(f: impl Fn(usize) -> u8) -> __m512i {
-    dwords(|i| i32::from_le_bytes(array::from_fn(|b| f(4 * i + b))))
-}
-
+#[inline]
 #[target_feature(enable = "avx512f")]
 fn words(f: impl Fn(usize) -> u16) -> __m512i {
-    dwords(|i| (u32::from(f(2 * i)) | u32::from(f(2 * i + 1)) << 16) as i32)
+    let words: [u16; 32] = array::from_fn(f);
+    // SAFETY: 64 bytes are read from an array of that size.
+    unsafe { _mm512_loadu_si512(words.as_ptr().cast()) }
 }
 
 impl Shared {
+    #[inline]
     #[target_feature(enable = "avx512f")]
     fn new(stride: usize) -> Self {
-        let scan = array::from_fn(|k| {
-            let distance = 1usize << k;
-            let mut mask = 0;
-            for (g, &lane) in LANE.iter().enumerate() {
-                if g >= distance {
-                    mask |= 1 << lane;
-                }
-            }
-            let from = |lane: usize| match group(lane).checked_sub(distance) {
-                Some(g) => LANE[g] as i32,
-                None => 0,
-            };
-            (mask, dwords(from))
-        });
+        let (low, high) = COSINE.split_at(64);
         Shared {
-            cosine: [
-                bytes_of(|i| COSINE[i] as u8),
-                bytes_of(|i| COSINE[64 + i] as u8),
-            ],
-            scan,
+            // SAFETY: 64 bytes are read from slices of that length.
+            cosine: unsafe {
+                [
+                    _mm512_loadu_si512(low.as_ptr().cast()),
+                    _mm512_loadu_si512(high.as_ptr().cast()),
+                ]
+            },
+            scan: SCAN.map(|(mask, from)| (mask, vector(&from))),
             last: _mm512_set1_epi32(LANE[15] as i32),
             stride,
         }
@@ -182,10 +216,9 @@ fn real_places(oscillator: &Oscillator, half: usize) -> [__m512i; 2] {
 unsafe fn real(blocks: &Blocks<'_>, bytes: &[u8], cells: &mut [Sum], sum: &mut Sum) {
     let shared = Shared::new(blocks.geometry.stride);
     let places = [0, 1].map(|h| real_places(blocks.oscillator, h));
-    let high = bytes_of(|b| 2 * b as u8 + 1);
+    let high = vector(&HIGH);
     let quarter = _mm512_set1_epi8(QUARTER as i8);
-    // First and second four bytes of each group, from two vectors of samples.
-    let halves = [0, 1].map(|h| dwords(|lane| (2 * group(lane) + h) as i32));
+    let halves = HALVES.map(|h| vector(&h));
     let mut oscillator = blocks.first;
     let mut carry = Carry::new(sum);
     let zero = _mm512_setzero_si512();
@@ -247,8 +280,9 @@ unsafe fn complex(blocks: &Blocks<'_>, bytes: &[u8], cells: &mut [Sum], sum: &mu
     let places: [__m512i; 4] =
         array::from_fn(|j| words(|k| blocks.oscillator.places[8 * group(k / 2) + 2 * j + k % 2]));
     // The cell of a sample is for both its bytes.
-    let both = bytes_of(|b| [1, 1, 3, 3][b % 4] + (b % 16 / 4 * 4) as u8);
-    let [re, im] = turns(blocks.layout).map(|t| bytes_of(|b| t[b % 2] * QUARTER as u8));
+    let both = vector(&BOTH);
+    let [re, im] =
+        turns(blocks.layout).map(|t| words(|_| u16::from_le_bytes(t.map(|n| n * QUARTER as u8))));
     let mut oscillator = blocks.first;
     let mut carry = Carry::new(sum);
     let zero = _mm512_setzero_si512();

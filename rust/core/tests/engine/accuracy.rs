@@ -4,8 +4,10 @@
 use sdr_spoof_core::simd::Level;
 use sdr_spoof_core::C64;
 
+use crate::format::FORMATS;
 use crate::kinds::KINDS;
-use crate::setting::{Setting, Sums, FORMATS, LEAD_CYCLES};
+use crate::reference::Sums;
+use crate::setting::{Setting, LEAD_CYCLES};
 
 const LOSS_DB: f64 = 0.05;
 const PHASE_CYCLES: f64 = 0.002;
@@ -60,7 +62,7 @@ impl Worst {
     fn add(&mut self, setting: &Setting) {
         let Setting { format, .. } = setting;
         let bytes = setting.bytes(format.signal, format.noise);
-        let fast = setting.fast(&bytes, &[50_000], Level::best());
+        let fast = setting.fast(&bytes, Level::best());
         let slow = setting.slow(&bytes);
         assert_eq!(fast.len(), setting.slices, "{setting:?}");
         let sum = |of: &dyn Fn(usize) -> C64| (0..setting.slices).map(of).sum::<C64>();
@@ -79,7 +81,7 @@ impl Worst {
         assert!(loss_db <= LOSS_DB, "loss {loss_db} dB: {setting:?}");
         assert!(phase <= PHASE_CYCLES, "phase {phase} cycle: {setting:?}");
         let run = setting.kind().run_chips() * setting.samples_per_chip;
-        let turn = std::f64::consts::TAU * (setting.carrier - setting.retuned).abs() * run;
+        let turn = std::f64::consts::TAU * (setting.carrier - setting.retuned.0).abs() * run;
         assert!(taps <= TAP + OFF_CENTRE * turn, "taps {taps}: {setting:?}");
         assert!(companion <= TAP, "companion {companion}: {setting:?}");
         // What both see is the signal.
@@ -107,7 +109,7 @@ fn setting(kind: usize, n: usize, rate: f64, offset: usize) -> Setting {
         samples_per_chip: rate / (spec.chip_rate_hz * (1.0 + hz / spec.carrier_hz)),
         intermediate: intermediates[n / 3 % intermediates.len()],
         carrier: hz / rate,
-        retuned: if retuned { clock / rate } else { 0.0 },
+        retuned: (if retuned { clock / rate } else { 0.0 }, 0),
         origin: 1000 * n as u64,
         lead: 400.37 + 0.1 * n as f64,
         index: n,
