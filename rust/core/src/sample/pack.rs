@@ -13,7 +13,7 @@ impl SampleFormat {
     /// ("Quantizing for minimum distortion": threshold at 0.996 sigma). `out` is as long as the
     /// values fill; what does not fill a byte is dropped.
     #[inline(always)]
-    pub(crate) fn pack(self, values: &[f32], gain: f32, out: &mut [u8]) {
+    pub fn pack(self, values: &[f32], gain: f32, out: &mut [u8]) {
         match self.encoding {
             Encoding::I8 => out.iter_mut().zip(values).for_each(|(o, v)| {
                 *o = ((v * gain).clamp(-127.0, 127.0) + ROUND).to_bits() as u8;
