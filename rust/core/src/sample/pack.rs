@@ -12,6 +12,7 @@ impl SampleFormat {
     /// -1, 1, 3 and decide at -2, 0, 2, so noise of rms 2 sits at the optimum of Max 1960
     /// ("Quantizing for minimum distortion": threshold at 0.996 sigma). `out` is as long as the
     /// values fill; what does not fill a byte is dropped.
+    #[inline(always)]
     pub fn pack(self, values: &[f32], gain: f32, out: &mut [u8]) {
         match self.encoding {
             Encoding::I8 => out.iter_mut().zip(values).for_each(|(o, v)| {

@@ -5,6 +5,7 @@
 
 pub(crate) mod front_end;
 pub(crate) mod runs;
+pub(crate) mod synth;
 
 use std::sync::OnceLock;
 

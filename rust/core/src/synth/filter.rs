@@ -4,12 +4,17 @@
 
 use std::f64::consts::PI;
 
+use crate::simd::synth::Loops;
+use crate::simd::Level;
 use crate::{Error, Result};
 
 /// Kaiser window for about 60 dB of stop-band attenuation (Oppenheim and Schafer, eq. 7.75).
 const BETA: f64 = 5.653;
+/// Taps up to this are rounding errors of zeros: every other one where the centre is a quarter of
+/// the sample rate.
+const NEGLIGIBLE: f64 = 1e-12;
 /// Samples worked on at once: accumulators that fit the registers.
-const TILE: usize = 32;
+const TILE: usize = 64;
 
 /// A band-pass around `centre` of width `width` (6 dB points), both in cycles per sample.
 #[derive(Debug, Clone)]
@@ -59,8 +64,14 @@ impl Filter {
         let gain = low_pass[0] + 2.0 * low_pass[1..].iter().sum::<f64>();
         let turn = |k: usize| 2.0 * PI * centre * k as f64;
         let shifted = |f: fn(f64) -> f64, factor: f64| -> Vec<f32> {
-            let tap = |(k, h): (usize, &f64)| (factor * h / gain * f(turn(k))) as f32;
-            low_pass.iter().enumerate().map(tap).collect()
+            let tap = |(k, h): (usize, &f64)| factor * h / gain * f(turn(k));
+            let significant = |h: f64| if h.abs() > NEGLIGIBLE { h as f32 } else { 0.0 };
+            low_pass
+                .iter()
+                .enumerate()
+                .map(tap)
+                .map(significant)
+                .collect()
         };
         Ok(if complex {
             let odd = if centre == 0.0 {
@@ -108,55 +119,79 @@ impl Filter {
     }
 
     /// Filters real samples; `x` has `reach` samples more than `out` on either side.
-    pub fn apply_real(&self, x: &[f32], out: &mut [f32]) {
-        convolve(&self.even, 1.0, x, out);
+    ///
+    /// Every level gives the same bits.
+    pub fn apply_real(&self, level: Level, x: &[f32], out: &mut [f32]) {
+        Loops::new(level).convolve_even(&self.even, x, out);
     }
 
     /// Filters complex samples, like [`Self::apply_real`].
-    pub fn apply_complex(&self, x: [&[f32]; 2], out: [&mut [f32]; 2], scratch: &mut [f32]) {
+    pub fn apply_complex(
+        &self,
+        level: Level,
+        x: [&[f32]; 2],
+        out: [&mut [f32]; 2],
+        scratch: &mut [f32],
+    ) {
+        let loops = Loops::new(level);
         let [re, im] = out;
-        convolve(&self.even, 1.0, x[0], re);
-        convolve(&self.even, 1.0, x[1], im);
+        loops.convolve_even(&self.even, x[0], re);
+        loops.convolve_even(&self.even, x[1], im);
         if !self.odd.is_empty() {
             // (even + j odd) * (x0 + j x1)
-            convolve(&self.odd, -1.0, x[1], scratch);
+            loops.convolve_odd(&self.odd, x[1], scratch);
             re.iter_mut().zip(&*scratch).for_each(|(o, s)| *o -= s);
-            convolve(&self.odd, -1.0, x[0], scratch);
+            loops.convolve_odd(&self.odd, x[0], scratch);
             im.iter_mut().zip(&*scratch).for_each(|(o, s)| *o += s);
         }
     }
 }
 
-/// `out[n] = h[0] x[n] + sum over k of h[k] (x[n - k] + parity x[n + k])`, x counted from `reach`.
-///
-/// The order of the sum is fixed and nothing is fused: the same bits on every machine.
-fn convolve(h: &[f32], parity: f32, x: &[f32], out: &mut [f32]) {
-    let reach = h.len() - 1;
-    for (tile, o) in out.chunks_mut(TILE).enumerate() {
-        let x = &x[tile * TILE..tile * TILE + o.len() + 2 * reach];
-        let mut sum = [0f32; TILE];
-        if o.len() == TILE {
-            add_tile(h, parity, x, &mut sum);
-        } else {
-            let mut padded = x.to_vec();
-            padded.resize(TILE + 2 * reach, 0.0);
-            add_tile(h, parity, &padded, &mut sum);
-        }
-        o.copy_from_slice(&sum[..o.len()]);
-    }
+/// `out[n] = h[0] x[n] + sum over k of h[k] (x[n - k] + x[n + k])`, x counted from `reach`.
+#[inline(always)]
+pub(crate) fn convolve_even(h: &[f32], x: &[f32], out: &mut [f32]) {
+    convolve(h, x, out, |before, after| before + after);
+}
+
+/// `out[n] = h[0] x[n] + sum over k of h[k] (x[n - k] - x[n + k])`, x counted from `reach`.
+#[inline(always)]
+pub(crate) fn convolve_odd(h: &[f32], x: &[f32], out: &mut [f32]) {
+    convolve(h, x, out, |before, after| before - after);
 }
 
 #[inline(always)]
-fn add_tile(h: &[f32], parity: f32, x: &[f32], sum: &mut [f32; TILE]) {
+fn convolve(h: &[f32], x: &[f32], out: &mut [f32], fold: impl Fn(f32, f32) -> f32) {
     let reach = h.len() - 1;
-    for (s, x) in sum.iter_mut().zip(&x[reach..reach + TILE]) {
-        *s = h[0] * x;
+    assert!(x.len() >= out.len() + 2 * reach);
+    let (tiles, rest) = out.as_chunks_mut::<TILE>();
+    let done = tiles.len() * TILE;
+    for (tile, out) in tiles.iter_mut().enumerate() {
+        *out = convolve_tile(h, &x[tile * TILE..], &fold);
     }
-    for (k, &h) in h.iter().enumerate().skip(1) {
-        let before = &x[reach - k..reach - k + TILE];
-        let after = &x[reach + k..reach + k + TILE];
-        for ((s, a), b) in sum.iter_mut().zip(before).zip(after) {
-            *s += h * (a + parity * b);
+    for (n, out) in rest.iter_mut().enumerate() {
+        [*out] = convolve_tile(h, &x[done + n..], &fold);
+    }
+}
+
+/// The order of the sum is fixed and nothing is fused: the same bits on every machine.
+#[inline(always)]
+fn convolve_tile<const N: usize>(
+    h: &[f32],
+    x: &[f32],
+    fold: &impl Fn(f32, f32) -> f32,
+) -> [f32; N] {
+    let reach = h.len() - 1;
+    // The samples reach that far; a panic here would keep the sums out of registers.
+    let window = |at: usize| x.get(at..).and_then(|x| x.first_chunk::<N>());
+    let mut sum = [0.0; N];
+    if let Some(centre) = window(reach) {
+        (0..N).for_each(|n| sum[n] = h[0] * centre[n]);
+    }
+    let taps = h.iter().enumerate().skip(1);
+    for (k, &h) in taps.filter(|(_, &h)| h != 0.0) {
+        if let (Some(before), Some(after)) = (window(reach - k), window(reach + k)) {
+            (0..N).for_each(|n| sum[n] += h * fold(before[n], after[n]));
         }
     }
+    sum
 }

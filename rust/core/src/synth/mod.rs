@@ -1,27 +1,40 @@
 //! IF synthesis: emitters, noise, front end and quantiser.
 //!
 //! The output is a pure function of the configuration and the sample index: it does not depend on
-//! how it is cut into blocks, nor on the number of threads. For files only.
+//! how it is cut into blocks, nor on the number of threads or the vector instructions. For files
+//! only.
 
+mod composite;
 mod emitter;
-mod filter;
+pub(crate) mod filter;
+mod motion;
+mod pair;
+mod piece;
 mod profile;
 mod quantile;
-mod random;
-mod render;
-mod wave;
+pub(crate) mod random;
+pub(crate) mod render;
+pub(crate) mod wave;
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
 pub use emitter::{Emitter, SPEED_OF_LIGHT};
 pub use filter::Filter;
 pub use profile::Profile;
-pub use random::Noise;
 
 use crate::nco::step_from_frequency;
 use crate::sample::SampleFormat;
+use crate::simd::Level;
 use crate::{Error, Result};
-use render::{Component, SEGMENT};
+use composite::Composite;
+use motion::SEGMENT;
+use piece::Workspace;
+use random::Noise;
+
+/// Samples that one thread makes at a time; a grid on the absolute sample index.
+const PIECE: i64 = 8 * SEGMENT;
 
 /// Sum of all amplitudes over the noise's standard deviation that the integers can hold.
 const MAX_AMPLITUDE: f64 = 2000.0;
@@ -50,7 +63,7 @@ pub struct SynthConfig {
 /// Components around one carrier.
 struct Band {
     step: u64,
-    components: Vec<Component>,
+    composites: Vec<Composite>,
 }
 
 /// Generates the samples of a recording.
@@ -59,15 +72,9 @@ pub struct Synthesizer {
     bands: Vec<Band>,
     noise: [Noise; 2],
     pool: rayon::ThreadPool,
-}
-
-/// Buffers of one thread.
-#[derive(Default)]
-struct Workspace {
-    diff: Vec<i64>,
-    raw: [Vec<f32>; 2],
-    filtered: [Vec<f32>; 2],
-    scratch: Vec<f32>,
+    level: Level,
+    /// Buffers that no thread is using.
+    spare: Mutex<Vec<Workspace>>,
 }
 
 impl Synthesizer {
@@ -81,18 +88,16 @@ impl Synthesizer {
         let mut bands: Vec<Band> = Vec::new();
         let mut total = 0.0;
         for emitter in emitters {
-            let frequency = intermediate_frequency(&config, &emitter)?;
+            let step = step_from_frequency(intermediate_frequency(&config, &emitter)?);
             let amplitude = amplitude(&config, emitter.cn0_dbhz);
             total += amplitude * 10f64.powf(emitter.power_db.max().max(0.0) / 20.0);
-            let component = Component::new(emitter, amplitude)?;
-            let step = step_from_frequency(frequency);
-            match bands.iter_mut().find(|b| b.step == step) {
-                Some(band) => band.components.push(component),
-                None => bands.push(Band {
-                    step,
-                    components: vec![component],
-                }),
-            }
+            let known = bands.iter().position(|b| b.step == step);
+            let band = known.unwrap_or_else(|| {
+                let composites = vec![];
+                bands.push(Band { step, composites });
+                bands.len() - 1
+            });
+            Composite::add_to(&mut bands[band].composites, emitter, amplitude)?;
         }
         if total.is_nan() || total > MAX_AMPLITUDE {
             return Err(Error::Invalid(format!(
@@ -110,7 +115,14 @@ impl Synthesizer {
             bands,
             noise,
             pool,
+            level: Level::best(),
+            spare: Mutex::default(),
         })
+    }
+
+    /// The same samples, made at most at this level of vector instructions.
+    pub fn at_level(self, level: Level) -> Self {
+        Synthesizer { level, ..self }
     }
 
     /// Bytes of the samples `start..start + count`.
@@ -132,94 +144,23 @@ impl Synthesizer {
         let (mut at, end) = (start as i64, start as i64 + count as i64);
         let mut rest = bytes.as_mut_slice();
         while at < end {
-            let to = ((at / SEGMENT + 1) * SEGMENT).min(end);
+            let to = ((at / PIECE + 1) * PIECE).min(end);
             let (piece, tail) = rest.split_at_mut((to - at) as usize * bits / 8);
             pieces.push((at, to, piece));
             (at, rest) = (to, tail);
         }
         self.pool.install(|| {
-            pieces
-                .into_par_iter()
-                .for_each_init(Workspace::default, |workspace, (at, to, out)| {
-                    self.piece(workspace, at, to, out);
-                });
+            pieces.into_par_iter().for_each(|(at, to, out)| {
+                let mut workspace = self.spare().pop().unwrap_or_default();
+                self.piece(&mut workspace, at, to, out);
+                self.spare().push(workspace);
+            });
         });
         Ok(bytes)
     }
 
-    /// Samples `at..to`, within one segment.
-    fn piece(&self, workspace: &mut Workspace, at: i64, to: i64, out: &mut [u8]) {
-        let complex = self.config.format.is_complex();
-        let reach = self.config.filter.as_ref().map_or(0, Filter::reach) as i64;
-        self.raw(workspace, at - reach, to + reach);
-        let count = (to - at) as usize;
-        let Workspace {
-            raw: [re, im],
-            filtered: [out_re, out_im],
-            scratch,
-            ..
-        } = workspace;
-        let mut gain = self.config.noise_rms_lsb;
-        let (mut re, mut im) = (&*re, &*im);
-        if let Some(filter) = &self.config.filter {
-            gain /= filter.noise_gain();
-            out_re.resize(count, 0.0);
-            if complex {
-                out_im.resize(count, 0.0);
-                scratch.resize(count, 0.0);
-                filter.apply_complex([re, im], [out_re, out_im], scratch);
-            } else {
-                filter.apply_real(re, out_re);
-            }
-            (re, im) = (out_re, out_im);
-        }
-        if complex {
-            scratch.clear();
-            scratch.extend(re.iter().zip(im).flat_map(|(&i, &q)| [i, q]));
-            re = scratch;
-        }
-        self.config.format.pack(re, gain as f32, out);
-    }
-
-    /// Signals and noise of samples `at..to` before the filter, noise of unit variance.
-    fn raw(&self, workspace: &mut Workspace, at: i64, to: i64) {
-        let Workspace {
-            diff,
-            raw: [re, im],
-            ..
-        } = workspace;
-        let count = (to - at) as usize;
-        re.resize(count, 0.0);
-        im.resize(
-            if self.config.format.is_complex() {
-                count
-            } else {
-                0
-            },
-            0.0,
-        );
-        for (buffer, noise) in [&mut *re, &mut *im].into_iter().zip(&self.noise) {
-            if self.config.noise {
-                noise.fill(at, buffer);
-            } else {
-                buffer.fill(0.0);
-            }
-        }
-        diff.resize(count + 1, 0);
-        for band in &self.bands {
-            for segment in at.div_euclid(SEGMENT)..=(to - 1).div_euclid(SEGMENT) {
-                let origin = segment * SEGMENT;
-                let (from, upto) = (at.max(origin), to.min(origin + SEGMENT));
-                let part = &mut diff[(from - at) as usize..=(upto - at) as usize];
-                for c in &band.components {
-                    let fs = self.config.sample_rate_hz;
-                    c.render(segment, from - origin, upto - origin, fs, part);
-                }
-            }
-            let phase = band.step.wrapping_mul(at as u64);
-            wave::mix(diff, phase, band.step, re, im);
-            diff[count] = 0; // the entry past the samples, which the sum does not reach
-        }
+    fn spare(&self) -> MutexGuard<'_, Vec<Workspace>> {
+        self.spare.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

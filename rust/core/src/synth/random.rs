@@ -2,7 +2,9 @@
 
 use std::sync::LazyLock;
 
+use super::pair;
 use super::quantile::normal_quantile;
+use crate::simd::synth::Loops;
 
 /// Weyl increment of SplitMix64 (Steele, Lea, Flood 2014, "Fast splittable pseudorandom number
 /// generators"): 2^64 over the golden ratio.
@@ -16,7 +18,7 @@ const FRACTION_BITS: u32 = 32 - BIN_BITS;
 const TAIL: usize = 4;
 
 /// SplitMix64's output function.
-#[inline]
+#[inline(always)]
 fn mix(mut x: u64) -> u64 {
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -24,90 +26,89 @@ fn mix(mut x: u64) -> u64 {
 }
 
 /// 64 random bits from a key and a counter: element `counter` of the key's SplitMix64 sequence.
-#[inline]
+#[inline(always)]
 pub(super) fn hash(key: u64, counter: u64) -> u64 {
     mix(key.wrapping_add(counter.wrapping_add(1).wrapping_mul(WEYL)))
 }
 
-/// Lower edge and slope (per unit of the fraction) of each bin.
-static TABLE: LazyLock<Vec<[f32; 2]>> = LazyLock::new(|| {
+/// Lower edge and slope (per unit of the fraction) of each bin; infinity marks the outer bins.
+pub(crate) type Table = [u64; BINS];
+
+/// Samples made at once, from an even one on.
+pub(crate) type Batch = [f32; BATCH];
+const BATCH: usize = 128;
+/// Samples that are searched for outer bins at once.
+const GROUP: usize = 16;
+
+static TABLE: LazyLock<Box<Table>> = LazyLock::new(|| {
     let edge = |k: usize| normal_quantile(k as f64 / BINS as f64);
-    (0..BINS)
-        .map(|k| {
-            if (TAIL..BINS - TAIL).contains(&k) {
-                let width = edge(k + 1) - edge(k);
-                [
-                    edge(k) as f32,
-                    (width / f64::from(1u32 << FRACTION_BITS)) as f32,
-                ]
-            } else {
-                [0.0, 0.0]
-            }
-        })
-        .collect()
+    let mut table = Box::new([pair::join([f32::INFINITY, 0.0]); BINS]);
+    for (k, bin) in table.iter_mut().enumerate().take(BINS - TAIL).skip(TAIL) {
+        let slope = (edge(k + 1) - edge(k)) / f64::from(1u32 << FRACTION_BITS);
+        *bin = pair::join([edge(k) as f32, slope as f32]);
+    }
+    table
 });
 
 /// One stream of unit-variance white Gaussian noise.
 #[derive(Debug, Clone, Copy)]
-pub struct Noise {
+pub(super) struct Noise {
     key: u64,
 }
 
 impl Noise {
     /// Stream number `stream` of a seed; streams are independent.
-    pub fn new(seed: u64, stream: u64) -> Self {
+    pub(super) fn new(seed: u64, stream: u64) -> Self {
         Noise {
             key: mix(hash(seed, stream)),
         }
     }
 
     /// Writes the noise of samples `start..start + out.len()`.
-    pub fn fill(&self, start: i64, out: &mut [f32]) {
-        let table: &[[f32; 2]; BINS] = match TABLE.as_slice().try_into() {
-            Ok(table) => table,
-            Err(_) => return, // the table has BINS entries
-        };
-        // A 64-bit hash serves the samples 2k and 2k + 1.
-        let odd = (start & 1) as usize;
-        let (head, body) = out.split_at_mut(odd.min(out.len()));
-        for o in head {
-            *o = self.gauss(table, start >> 1, 1);
+    pub(super) fn fill(&self, loops: Loops, start: i64, out: &mut [f32]) {
+        let (head, body) = out.split_at_mut(((start & 1) as usize).min(out.len()));
+        let mut batch = [0.0; BATCH];
+        if let [first] = head {
+            self.batch(loops, start >> 1, &mut batch);
+            *first = batch[1];
         }
         let mut pair = (start + 1) >> 1;
-        let mut chunks = body.chunks_exact_mut(2);
-        for o in &mut chunks {
-            let bits = hash(self.key, pair as u64);
-            o[0] = self.gauss_from(table, bits as u32, pair, 0);
-            o[1] = self.gauss_from(table, (bits >> 32) as u32, pair, 1);
-            pair += 1;
+        let mut whole = body.chunks_exact_mut(BATCH);
+        for chunk in &mut whole {
+            if let Ok(chunk) = chunk.try_into() {
+                self.batch(loops, pair, chunk);
+            }
+            pair += BATCH as i64 / 2;
         }
-        for o in chunks.into_remainder() {
-            *o = self.gauss(table, pair, 0);
-        }
-    }
-
-    fn gauss(&self, table: &[[f32; 2]; BINS], pair: i64, half: u32) -> f32 {
-        let bits = hash(self.key, pair as u64) >> (32 * half);
-        self.gauss_from(table, bits as u32, pair, half)
-    }
-
-    #[inline(always)]
-    fn gauss_from(&self, table: &[[f32; 2]; BINS], u: u32, pair: i64, half: u32) -> f32 {
-        let bin = (u >> FRACTION_BITS) as usize;
-        if bin.wrapping_sub(TAIL) < BINS - 2 * TAIL {
-            let [edge, slope] = table[bin];
-            edge + slope * (u & ((1 << FRACTION_BITS) - 1)) as f32
-        } else {
-            self.tail(u, pair, half)
+        let rest = whole.into_remainder();
+        if !rest.is_empty() {
+            self.batch(loops, pair, &mut batch);
+            rest.copy_from_slice(&batch[..rest.len()]);
         }
     }
 
-    /// The outer bins: the exact quantile, with 32 more random bits below `u`.
+    /// The noise of samples from `2 pair` on.
+    fn batch(&self, loops: Loops, pair: i64, out: &mut Batch) {
+        loops.noise(self.key, pair as u64, &TABLE, out);
+        for (k, group) in out.chunks_exact_mut(GROUP).enumerate() {
+            if group.iter().fold(false, |any, v| any | v.is_infinite()) {
+                for (j, v) in group.iter_mut().enumerate() {
+                    let sample = k * GROUP + j;
+                    if v.is_infinite() {
+                        *v = self.tail(pair + sample as i64 / 2, sample as u32 % 2);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The outer bins: the exact quantile, with 32 more random bits.
     #[cold]
-    fn tail(&self, u: u32, pair: i64, half: u32) -> f32 {
+    fn tail(&self, pair: i64, half: u32) -> f32 {
         const CYCLE: f64 = 4_294_967_296.0;
-        let more = hash(!self.key, pair as u64) >> (32 * half) as u64 & 0xffff_ffff;
-        let below = (more as f64 + 0.5) / CYCLE;
+        let bits = |key| (hash(key, pair as u64) >> (32 * half)) as u32;
+        let u = bits(self.key);
+        let below = (f64::from(bits(!self.key)) + 0.5) / CYCLE;
         if u < 1 << 31 {
             normal_quantile((f64::from(u) + below) / CYCLE) as f32
         } else {
@@ -116,15 +117,32 @@ impl Noise {
     }
 }
 
+/// Noise by the table; a 64-bit hash serves the samples `2 pair` and `2 pair + 1`.
+#[inline(always)]
+pub(crate) fn fill_batch(key: u64, pair: u64, table: &Table, out: &mut Batch) {
+    let mut bits = [0u32; BATCH];
+    for (k, two) in bits.chunks_exact_mut(2).enumerate() {
+        let hash = hash(key, pair.wrapping_add(k as u64));
+        two[0] = hash as u32;
+        two[1] = (hash >> 32) as u32;
+    }
+    for (o, u) in out.iter_mut().zip(bits) {
+        let [edge, slope] = pair::split(table[(u >> FRACTION_BITS) as usize]);
+        // Through i32, which every level converts at once; the value has 21 bits.
+        *o = edge + slope * (u & ((1 << FRACTION_BITS) - 1)) as i32 as f32;
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simd::Level;
 
     const N: usize = 4_000_000;
 
     fn noise(stream: u64) -> Vec<f64> {
         let mut out = vec![0.0; N];
-        Noise::new(7, stream).fill(0, &mut out);
+        Noise::new(7, stream).fill(Loops::new(Level::best()), 0, &mut out);
         out.iter().map(|&v| f64::from(v)).collect()
     }
 
@@ -174,15 +192,17 @@ mod tests {
     }
 
     #[test]
-    fn any_cut_gives_the_same_samples() {
+    fn any_cut_and_level_gives_the_same_samples() {
         let noise = Noise::new(3, 2);
         for origin in [-37, 1 << 35] {
             let mut whole = vec![0.0; 500];
-            noise.fill(origin, &mut whole);
-            for (a, b) in [(0, 1), (1, 2), (3, 17), (4, 100), (99, 500), (7, 7)] {
-                let mut part = vec![0.0; b - a];
-                noise.fill(origin + a as i64, &mut part);
-                assert_eq!(part, whole[a..b]);
+            noise.fill(Loops::new(Level::Portable), origin, &mut whole);
+            for loops in Level::available().into_iter().map(Loops::new) {
+                for (a, b) in [(0, 1), (1, 2), (3, 17), (4, 100), (99, 500), (7, 7)] {
+                    let mut part = vec![0.0; b - a];
+                    noise.fill(loops, origin + a as i64, &mut part);
+                    assert_eq!(part, whole[a..b]);
+                }
             }
         }
     }

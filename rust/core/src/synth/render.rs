@@ -1,173 +1,183 @@
 //! Chips to band-base signal: each code edge is one addition to a difference array.
 //!
 //! A component's complex envelope is constant between code edges, but for the Doppler, which turns
-//! it by well under 0.01 cycle in a chip. So a chip costs one phasor and one addition per edge,
-//! whatever the sample rate, and the running sum of the differences, taken once per band, is the
-//! sum of all its components. Everything is integer arithmetic: exact in any order.
+//! it by well under 0.01 cycle in a chip. So a chip costs one phasor, shared by the components that
+//! move as one, and one addition per edge, whatever the sample rate. The running sum of the
+//! differences, taken once per band, is the sum of all its components. Everything is integer
+//! arithmetic: exact in any order.
 
-use super::emitter::Emitter;
-use super::wave::{phasor, UNIT};
-use crate::nco::{phase_from_cycles, step_from_frequency};
-use crate::Result;
+use super::composite::Composite;
+use super::motion::{Motion, FRACTION};
+use super::wave::{unit_vectors, UNIT};
+use crate::simd::synth::{truncate, Loops};
 
-/// Samples of one linear piece of motion; a grid on the absolute sample index.
-pub(super) const SEGMENT: i64 = 1 << 14;
+/// Buffers hold whole numbers of so many chips.
+const LANES: usize = 16;
 
-/// Fractional bits of an edge position in samples.
-const FRACTION: u32 = 40;
-const ONE: f64 = (1u64 << FRACTION) as f64;
-
-/// Envelope I and Q in one word, (Q << 32) + I: sums of words are words of sums.
-#[inline(always)]
-fn pack(re: f32, im: f32) -> i64 {
-    // Truncation of a value within i32; the caller bounds the sum of all amplitudes.
-    ((im as i32 as i64) << 32).wrapping_add(re as i32 as i64)
+/// Buffers for the chips of one composite.
+#[derive(Default)]
+pub(super) struct Chips {
+    /// The carrier at the middle of each chip.
+    re: Vec<f32>,
+    im: Vec<f32>,
+    signs: Vec<i8>,
+    /// Envelope in the first sub-chip, I and Q in one word, (Q << 32) + I: sums of words are words
+    /// of sums. One number of sub-chips after the other.
+    words: Vec<i64>,
 }
 
-/// An emitter with its code looked up.
-pub(super) struct Component {
-    pub(super) emitter: Emitter,
-    code: Vec<i8>,
-    secondary: Vec<i8>,
-    periods_per_symbol: Option<i64>,
-    /// Sub-chips per chip, amplitude share and phase in 2^-64 cycles of each subcarrier layer.
-    layers: Vec<(i64, f64, u64)>,
-    /// Amplitude at `power_db` = 0 over the noise's standard deviation.
-    pub(super) amplitude: f64,
+/// Where chips lie, in 2^-FRACTION samples from the first sample wanted, rounded up.
+#[derive(Clone, Copy)]
+struct Raster {
+    start: i64,
+    length: i64,
+    /// Samples wanted; edges outside land on the ends.
+    samples: i64,
 }
 
-/// Motion of a component over one segment, linear in the sample index.
-struct Motion {
-    /// Chip being received at the segment's first sample.
-    first_chip: i64,
-    /// Where that chip starts and how long chips are, in 2^-FRACTION samples from segment start.
-    position: i64,
-    chip_length: i64,
-    /// Carrier phase at the middle of that chip and advance per chip.
-    phase: u64,
-    phase_per_chip: u64,
-    amplitude: f64,
-    /// Samples of the segment on the air.
-    on: i64,
-    off: i64,
-}
-
-impl Component {
-    pub(super) fn new(emitter: Emitter, amplitude: f64) -> Result<Self> {
-        emitter.check()?;
-        let (signal, prn) = (emitter.signal, emitter.prn);
-        let layer = |l: &crate::signal::Layer| {
-            let turn = l.im.atan2(l.re) / std::f64::consts::TAU + signal.phase_offset_cycles;
-            (l.subchips as i64, l.re.hypot(l.im), phase_from_cycles(turn))
-        };
-        Ok(Component {
-            code: signal.code(prn)?,
-            secondary: signal.secondary(prn)?,
-            periods_per_symbol: signal.periods_per_symbol(prn)?.map(|n| n as i64),
-            layers: signal.modulation.layers().iter().map(layer).collect(),
-            amplitude,
-            emitter,
-        })
-    }
-
-    /// Sign of a code period: secondary code times data symbol.
-    fn period_sign(&self, period: i64) -> i8 {
-        let secondary = match self.secondary.len() as i64 {
-            0 => 1,
-            n => self.secondary[period.rem_euclid(n) as usize],
-        };
-        let symbol = match self.periods_per_symbol {
-            Some(n) => self.emitter.data_symbol(period.div_euclid(n)),
-            None => 1,
-        };
-        secondary * symbol
-    }
-
-    fn motion(&self, segment: i64, sample_rate_hz: f64) -> Motion {
-        let e = &self.emitter;
-        let time = |sample: i64| sample as f64 / sample_rate_hz;
-        let first = segment * SEGMENT;
-        let (t0, t1) = (time(first), time(first + SEGMENT));
-        let nominal = e.signal.chip_rate_hz / sample_rate_hz;
-        let (c0, c1) = (e.code_phase_chips(t0), e.code_phase_chips(t1));
-        let mut rate = (c1 - c0) / SEGMENT as f64;
-        if !((0.9 * nominal)..(1.1 * nominal)).contains(&rate) {
-            rate = nominal; // the profile jumps inside this segment: move at its end
-        }
-        let (p0, p1) = (e.received_phase_cycles(t0), e.received_phase_cycles(t1));
-        let per_chip = (p1 - p0) / (SEGMENT as f64 * rate);
-        let into = c0 - c0.floor();
-        let edge = |s: f64| ((s * sample_rate_hz).ceil() - first as f64) as i64; // saturates
-        Motion {
-            first_chip: c0.floor() as i64,
-            position: (-into / rate * ONE).round() as i64,
-            chip_length: (ONE / rate).round() as i64,
-            phase: phase_from_cycles(p0 + (0.5 - into) * per_chip),
-            phase_per_chip: step_from_frequency(per_chip),
-            amplitude: self.amplitude * 10f64.powf(e.power_db.value(0.5 * (t0 + t1)) / 20.0),
-            on: edge(e.start_s),
-            off: edge(e.end_s),
-        }
-    }
-
+impl Composite {
     /// Adds samples `from..to` of a segment (counted from its start) to a difference array whose
     /// entry 0 is sample `from`; the array has one entry more than samples.
-    pub(super) fn render(&self, segment: i64, from: i64, to: i64, fs_hz: f64, out: &mut [i64]) {
-        let motion = self.motion(segment, fs_hz);
+    pub(super) fn render(
+        &self,
+        loops: Loops,
+        motion: &Motion,
+        (from, to): (i64, i64),
+        chips: &mut Chips,
+        out: &mut [i64],
+    ) {
         let (lo, hi) = (from.max(motion.on), to.min(motion.off));
-        if lo < hi && motion.amplitude > 0.0 {
-            for &layer in &self.layers {
-                self.render_layer(&motion, layer, (lo, hi), &mut out[(lo - from) as usize..]);
+        if lo >= hi || motion.gain <= 0.0 {
+            return;
+        }
+        let skip = ((lo << FRACTION) - motion.position).div_euclid(motion.chip_length);
+        let start = motion.position + skip * motion.chip_length - (lo << FRACTION);
+        let raster = Raster {
+            start: start + (1 << FRACTION) - 1,
+            length: motion.chip_length,
+            samples: hi - lo,
+        };
+        let count = (((hi - lo) << FRACTION) - start - 1) / motion.chip_length + 1;
+        let padded = (count as usize).next_multiple_of(LANES);
+        self.envelopes(loops, motion, skip, padded, chips);
+        let out = &mut out[(lo - from) as usize..=(hi - from) as usize];
+        let words = |shape: usize| &chips.words[shape * padded..][..count as usize];
+        // Constants, so that the loop over the edges of a chip is unrolled.
+        match self.subchips[..] {
+            [1] => raster.add([(1, words(0))], out),
+            [2] => raster.add([(2, words(0))], out),
+            [2, 12] => raster.add([(2, words(0)), (12, words(1))], out),
+            _ => {
+                let shapes = self.subchips.iter().enumerate();
+                shapes.for_each(|(shape, &n)| raster.add([(n, words(shape))], out));
             }
         }
     }
 
-    fn render_layer(
-        &self,
-        motion: &Motion,
-        (subchips, share, turn): (i64, f64, u64),
-        (lo, hi): (i64, i64),
-        out: &mut [i64],
-    ) {
-        // First sample at or after a position; edges outside land on the ends.
-        let index = |position: i64| {
-            (((position + (1 << FRACTION) - 1) >> FRACTION).clamp(lo, hi) - lo) as usize
-        };
-        let length = self.code.len() as i64;
-        let scale = (motion.amplitude * share * UNIT) as f32;
-        let skip = ((lo << FRACTION) - motion.position).div_euclid(motion.chip_length);
-        let chip = motion.first_chip + skip;
-        let (mut period, mut k) = (chip.div_euclid(length), chip.rem_euclid(length) as usize);
-        let mut sign = self.period_sign(period);
-        let mut position = motion.position + skip * motion.chip_length;
-        let mut phase = motion
-            .phase
-            .wrapping_add(turn)
-            .wrapping_add(motion.phase_per_chip.wrapping_mul(skip as u64));
-        let subchip = motion.chip_length / subchips;
-        let mut last = 0i64;
-        while position < hi << FRACTION {
-            let [re, im] = phasor(phase);
-            let signed = scale * f32::from(sign * self.code[k]);
-            let value = pack(re * signed, im * signed);
-            let at = index(position);
-            out[at] = out[at].wrapping_add(value.wrapping_sub(last));
-            last = value;
-            for m in 1..subchips {
-                let at = index(position + m * subchip);
-                out[at] = out[at].wrapping_sub(last.wrapping_mul(2));
-                last = last.wrapping_neg();
-            }
-            position += motion.chip_length;
-            phase = phase.wrapping_add(motion.phase_per_chip);
-            k += 1;
-            if k == self.code.len() {
-                k = 0;
-                period += 1;
-                sign = self.period_sign(period);
+    /// Works out the envelopes of `count` chips, the first `skip` chips after the motion's.
+    fn envelopes(&self, loops: Loops, motion: &Motion, skip: i64, count: usize, chips: &mut Chips) {
+        let Chips {
+            re,
+            im,
+            signs,
+            words,
+        } = chips;
+        re.resize(count, 0.0);
+        im.resize(count, 0.0);
+        signs.resize(count, 0);
+        words.clear();
+        words.resize(count * self.subchips.len(), 0);
+        unit_vectors(loops, motion.carrier.after(skip), re, im);
+        for component in &self.components {
+            component.signs(motion.first_chip + skip, signs);
+            for layer in &component.layers {
+                let amplitude = (layer.amplitude * motion.gain * UNIT) as f32;
+                let weight = layer.direction.map(|d| d * amplitude);
+                let words = &mut words[layer.shape * count..][..count];
+                loops.add_words(weight, signs, (re, im), words);
             }
         }
-        let end = (hi - lo) as usize;
-        out[end] = out[end].wrapping_sub(last);
+    }
+}
+
+/// Adds phasors times a weight and signs to words; the caller bounds the sum of all amplitudes.
+///
+/// In steps of [`LANES`], what is left over is left out.
+#[inline(always)]
+pub(crate) fn add_words(
+    [wr, wi]: [f32; 2],
+    signs: &[i8],
+    (re, im): (&[f32], &[f32]),
+    words: &mut [i64],
+) {
+    let (words, _) = words.as_chunks_mut::<LANES>();
+    let (signs, _) = signs.as_chunks::<LANES>();
+    let ((re, _), (im, _)) = (re.as_chunks::<LANES>(), im.as_chunks::<LANES>());
+    for (((words, signs), re), im) in words.iter_mut().zip(signs).zip(re).zip(im) {
+        for k in 0..LANES {
+            let sign = f32::from(signs[k]);
+            let i = truncate((re[k] * wr - im[k] * wi) * sign);
+            let q = truncate((re[k] * wi + im[k] * wr) * sign);
+            let word = (i64::from(q) << 32).wrapping_add(i64::from(i));
+            words[k] = words[k].wrapping_add(word);
+        }
+    }
+}
+
+impl Raster {
+    /// Adds the edges of chips, given as numbers of sub-chips and envelopes in the first of them.
+    #[inline(always)]
+    fn add<const N: usize>(self, shapes: [(i64, &[i64]); N], out: &mut [i64]) {
+        let count = shapes[0].1.len();
+        let mut edges = Edges {
+            shapes: shapes.map(|(n, words)| (n, self.length / n, &words[..count])),
+            last: 0,
+            out,
+        };
+        let clamped = |position: i64| (position >> FRACTION).clamp(0, self.samples) as usize;
+        let inside = |position: i64| (position >> FRACTION) as usize;
+        edges.add(0, self.start, clamped);
+        let mut position = self.start;
+        for k in 1..count - 1 {
+            position += self.length;
+            edges.add(k, position, inside);
+        }
+        if count > 1 {
+            edges.add(count - 1, position + self.length, clamped);
+        }
+        edges.change(self.samples as usize, edges.last.wrapping_neg());
+    }
+}
+
+/// Adds the edges of one chip after the other.
+struct Edges<'a, const N: usize> {
+    /// Number and length of sub-chips, and envelopes in the first sub-chip of each chip.
+    shapes: [(i64, i64, &'a [i64]); N],
+    /// Envelope at the end of the chip before.
+    last: i64,
+    out: &'a mut [i64],
+}
+
+impl<const N: usize> Edges<'_, N> {
+    #[inline(always)]
+    fn change(&mut self, at: usize, by: i64) {
+        self.out[at] = self.out[at].wrapping_add(by);
+    }
+
+    /// Adds the edges of a chip; `sample` gives the first sample at or after a position.
+    #[inline(always)]
+    fn add(&mut self, chip: usize, position: i64, sample: impl Fn(i64) -> usize) {
+        let mut start = self.last.wrapping_neg();
+        self.last = 0;
+        for (subchips, length, words) in self.shapes {
+            let mut word = words[chip];
+            start = start.wrapping_add(word);
+            for m in 1..subchips {
+                self.change(sample(position + m * length), word.wrapping_mul(-2));
+                word = word.wrapping_neg();
+            }
+            self.last = self.last.wrapping_add(word);
+        }
+        self.change(sample(position), start);
     }
 }

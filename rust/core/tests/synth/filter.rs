@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use sdr_spoof_core::simd::Level;
 use sdr_spoof_core::synth::Filter;
 
 #[test]
@@ -38,7 +39,7 @@ fn response_is_that_of_a_band_pass() {
     }
 }
 
-/// A tone comes out with the gain and without delay.
+/// A tone comes out with the gain and without delay, with the same bits at every level.
 #[test]
 fn filtering_is_what_the_response_says() {
     let frequency = -0.21;
@@ -47,18 +48,32 @@ fn filtering_is_what_the_response_says() {
     let wave = |n: usize| TAU * frequency * n as f64;
     let re: Vec<f32> = (0..200 + 2 * reach).map(|n| wave(n).cos() as f32).collect();
     let im: Vec<f32> = (0..200 + 2 * reach).map(|n| wave(n).sin() as f32).collect();
-    let (mut a, mut b, mut scratch) = (vec![0.0; 200], vec![0.0; 200], vec![0.0; 200]);
-    filter.apply_complex([&re, &im], [&mut a, &mut b], &mut scratch);
+    let complex = |level| {
+        let (mut a, mut b, mut scratch) = (vec![0.0; 200], vec![0.0; 200], vec![0.0; 200]);
+        filter.apply_complex(level, [&re, &im], [&mut a, &mut b], &mut scratch);
+        (a, b)
+    };
+    let (a, b) = complex(Level::Portable);
     for n in 0..200 {
         assert!((f64::from(a[n]) - filter.gain(frequency) * wave(n + reach).cos()).abs() < 1e-5);
         assert!((f64::from(b[n]) - filter.gain(frequency) * wave(n + reach).sin()).abs() < 1e-5);
     }
-    let filter = Filter::new(0.25, 0.3, 31, false).unwrap();
-    let mut out = vec![0.0; 77];
-    filter.apply_real(&re[..77 + 2 * 15], &mut out);
-    for (n, &value) in out.iter().enumerate() {
-        let expected = filter.gain(frequency) * wave(n + 15).cos();
-        assert!((f64::from(value) - expected).abs() < 1e-5);
+    // A quarter of the sample rate, where every other tap is zero, and another centre.
+    for centre in [0.25, 0.22] {
+        let real_filter = Filter::new(centre, 0.3, 31, false).unwrap();
+        let real = |level| {
+            let mut out = vec![0.0; 77];
+            real_filter.apply_real(level, &re[..77 + 2 * 15], &mut out);
+            out
+        };
+        for (n, value) in real(Level::Portable).into_iter().enumerate() {
+            let expected = real_filter.gain(frequency) * wave(n + 15).cos();
+            assert!((f64::from(value) - expected).abs() < 1e-5);
+        }
+        for level in Level::available() {
+            assert_eq!(complex(level), (a.clone(), b.clone()), "{level:?}");
+            assert_eq!(real(level), real(Level::Portable), "{level:?}");
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! The output is a pure function of the sample index.
 
+use sdr_spoof_core::simd::Level;
 use sdr_spoof_core::synth::{Emitter, Filter, Profile, SynthConfig, Synthesizer};
 
 use crate::reference::{config, emitter};
@@ -58,6 +59,35 @@ fn neither_cuts_nor_threads_matter() {
             assert!(joined == whole, "{format}: cuts");
         }
     }
+}
+
+#[test]
+fn the_vector_instructions_do_not_matter() {
+    for format in ["ri8", "ci8", "ri16", "cf32", "r2", "c2"] {
+        let portable = with_filter(format, 2).at_level(Level::Portable);
+        let expected = portable.generate((1 << 35) + 4, 100_000).unwrap();
+        for level in Level::available() {
+            let synth = with_filter(format, 2).at_level(level);
+            let seen = synth.generate((1 << 35) + 4, 100_000).unwrap();
+            assert!(seen == expected, "{format}: {level:?}");
+        }
+    }
+}
+
+/// Figures in the documentation come from such samples: they change only on purpose.
+#[test]
+fn samples_are_those_of_all_versions() {
+    let sum = |format: &str| {
+        let bytes = with_filter(format, 0).generate(50_000, 200_000).unwrap();
+        // Fowler-Noll-Vo 1a
+        bytes.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, &byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+        })
+    };
+    assert_eq!(
+        [sum("ri8"), sum("ci8")],
+        [4704628505548791446, 6161967029060096287]
+    );
 }
 
 #[test]

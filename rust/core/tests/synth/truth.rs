@@ -165,6 +165,36 @@ fn emitters_add_up() {
     }
 }
 
+/// Components with the same motion are rendered together, and yet add up to what each is alone:
+/// data and pilot of a satellite, and a signal of another system with the same delay.
+#[test]
+fn components_that_move_as_one_add_up() {
+    let config = config("cf32", 50e6, 1568.259e6);
+    let motion = |signal: &str, data_seed| Emitter {
+        data_seed,
+        power_db: Profile::new(vec![(0.0, -3.0), (0.02, 3.0)]).unwrap(),
+        start_s: 0.000_7,
+        end_s: 0.019,
+        ..moving(signal, 27)
+    };
+    let all = vec![
+        motion("B1CD", Some(9)),
+        motion("B1CP", None),
+        motion("L1CA", Some(2)),
+    ];
+    let make = |e: Vec<Emitter>| {
+        let synth = Synthesizer::new(config.clone(), e).unwrap();
+        samples(&config, &synth.generate(0, 1_000_000).unwrap())
+    };
+    let alone: Vec<_> = all.iter().map(|e| make(vec![e.clone()])).collect();
+    let together = make(all);
+    assert!(together.iter().any(|v| v.norm() > 0.0));
+    for (k, v) in together.iter().enumerate() {
+        let sum: Complex64 = alone.iter().map(|x| x[k]).sum();
+        assert!((sum - v).norm() < 1e-6, "sample {k}");
+    }
+}
+
 #[test]
 fn pilot_and_data_are_in_quadrature() {
     // BDS-SIS-ICD-B1C-1.0 section 4.2.1: the BOC(1,1) part of the pilot leads the data by 90

@@ -1,0 +1,123 @@
+//! The samples of one piece of the recording: noise, bands, filter, quantiser.
+
+use super::filter::Filter;
+use super::motion::{Motion, SEGMENT};
+use super::render::Chips;
+use super::wave::{mix, Rotation};
+use super::Synthesizer;
+use crate::simd::synth::Loops;
+
+/// Buffers of one thread.
+#[derive(Default)]
+pub(super) struct Workspace {
+    chips: Chips,
+    diff: Vec<i64>,
+    /// Signals and noise of unit variance before the filter, from the first sample that the filter
+    /// still needs; Q is empty if real.
+    raw: [Vec<f32>; 2],
+    filtered: [Vec<f32>; 2],
+    /// I and Q interleaved, or what the filter needs.
+    scratch: Vec<f32>,
+}
+
+impl Synthesizer {
+    fn loops(&self) -> Loops {
+        Loops::new(self.level)
+    }
+
+    /// Bytes of the samples `at..to`.
+    pub(super) fn piece(&self, workspace: &mut Workspace, at: i64, to: i64, out: &mut [u8]) {
+        workspace.raw.iter_mut().for_each(Vec::clear);
+        let reach = self.config.filter.as_ref().map_or(0, Filter::reach) as i64;
+        let bits = self.config.format.bits_per_sample();
+        let (mut from, end) = (at - reach, to + reach);
+        let (mut done, mut out) = (at, out);
+        while from < end {
+            let upto = ((from.div_euclid(SEGMENT) + 1) * SEGMENT).min(end);
+            self.add_segment(workspace, from, upto);
+            // Whole bytes, whatever the format.
+            let ready = if upto == end { to } else { (upto - reach) & !3 };
+            if ready > done {
+                let count = (ready - done) as usize;
+                let (part, rest) = out.split_at_mut(count * bits / 8);
+                self.finish(workspace, count, part);
+                (done, out) = (ready, rest);
+            }
+            from = upto;
+        }
+    }
+
+    /// Appends the samples `from..to`, of one segment, to the raw ones.
+    fn add_segment(&self, workspace: &mut Workspace, from: i64, to: i64) {
+        let Workspace {
+            chips, diff, raw, ..
+        } = workspace;
+        let (count, loops) = ((to - from) as usize, self.loops());
+        let parts = 1 + usize::from(self.config.format.is_complex());
+        for (raw, noise) in raw.iter_mut().zip(&self.noise).take(parts) {
+            let start = raw.len();
+            raw.resize(start + count, 0.0);
+            if self.config.noise {
+                noise.fill(loops, from, &mut raw[start..]);
+            }
+        }
+        let [re, im] = raw;
+        let start = re.len() - count;
+        let (re, im) = (&mut re[start..], im.get_mut(start..).unwrap_or_default());
+        let segment = from.div_euclid(SEGMENT);
+        let part = (from - segment * SEGMENT, to - segment * SEGMENT);
+        diff.resize(count + 1, 0);
+        for band in &self.bands {
+            for composite in &band.composites {
+                let motion = Motion::new(&composite.lead, segment, self.config.sample_rate_hz);
+                composite.render(loops, &motion, part, chips, diff);
+            }
+            let lo = Rotation {
+                phase: 0,
+                step: band.step,
+            };
+            mix(loops, &mut diff[..count], lo.after(from), re, im);
+            diff[count] = 0; // the entry past the samples, which the sum does not reach
+        }
+    }
+
+    /// Filters and quantises `count` samples and forgets them.
+    fn finish(&self, workspace: &mut Workspace, count: usize, out: &mut [u8]) {
+        let Workspace {
+            raw,
+            filtered,
+            scratch,
+            ..
+        } = workspace;
+        let complex = self.config.format.is_complex();
+        let mut gain = self.config.noise_rms_lsb;
+        let [re, im] = &*raw;
+        let (mut values, mut quadrature) = (&re[..count], im.get(..count).unwrap_or_default());
+        if let Some(filter) = &self.config.filter {
+            gain /= filter.noise_gain();
+            let all = count + 2 * filter.reach();
+            let [out_re, out_im] = filtered;
+            out_re.resize(count, 0.0);
+            if complex {
+                out_im.resize(count, 0.0);
+                scratch.resize(count, 0.0);
+                let x = [&re[..all], &im[..all]];
+                filter.apply_complex(self.level, x, [out_re, out_im], scratch);
+            } else {
+                filter.apply_real(self.level, &re[..all], out_re);
+            }
+            (values, quadrature) = (out_re, out_im);
+        }
+        if complex {
+            scratch.resize(2 * count, 0.0);
+            let pairs = scratch.chunks_exact_mut(2).zip(values).zip(quadrature);
+            pairs.for_each(|((pair, &i), &q)| pair.copy_from_slice(&[i, q]));
+            values = scratch;
+        }
+        let format = self.config.format;
+        self.loops().pack(format, values, gain as f32, out);
+        for raw in raw {
+            raw.drain(..count.min(raw.len()));
+        }
+    }
+}
