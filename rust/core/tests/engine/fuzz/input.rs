@@ -38,7 +38,7 @@ impl<'a> Input<'a> {
     }
 
     pub fn below(&mut self, limit: usize) -> usize {
-        usize::from(u16::from_le_bytes([self.byte(), self.byte()])) * limit >> 16
+        (usize::from(u16::from_le_bytes([self.byte(), self.byte()])) * limit) >> 16
     }
 
     /// Whether anything goes.
