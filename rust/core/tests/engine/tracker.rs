@@ -138,7 +138,13 @@ fn what_cannot_be_tracked_is_an_error() {
     let target = sane.target(0);
     let new = |rate: f64, start: u64, target: &Target| {
         let config = TrackConfig::default();
-        Tracker::new(input(rate, 1575.42e6, start), &config, &[target.clone()], 1).err()
+        Tracker::new(
+            input(rate, 1575.42e6, start),
+            &config,
+            std::slice::from_ref(target),
+            1,
+        )
+        .err()
     };
     assert_eq!(new(4e6, 0, &target), None);
     for rate in [0.0, -4e6, f64::NAN, f64::INFINITY, 1e3, 1e9] {
