@@ -4,6 +4,7 @@
 //! code of the crate. Every kernel has a portable form here too, and all forms give the same bits.
 
 pub(crate) mod front_end;
+pub(crate) mod lanes;
 pub(crate) mod runs;
 pub(crate) mod synth;
 
