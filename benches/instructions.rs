@@ -7,7 +7,7 @@
 use std::process::ExitCode;
 
 use sdr_spoof_core::acquire::{Input, Job, Search};
-use sdr_spoof_core::dsp::resample::RawSamples;
+use sdr_spoof_core::dsp::raw::RawSamples;
 use sdr_spoof_core::sample::SampleFormat;
 use sdr_spoof_core::signal;
 use sdr_spoof_core::simd::Level;
@@ -54,7 +54,7 @@ fn acquire(times: usize) {
         high: BINS,
     };
     for _ in 0..times {
-        let search = Search::new(spec, input, BLOCKS, 1).expect("samples to search");
+        let search = Search::new(spec, input, BLOCKS, -BINS..=BINS, 1).expect("samples to search");
         assert_eq!(search.run(&[job]).expect("transmitted").len(), 1);
     }
 }

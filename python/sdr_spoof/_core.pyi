@@ -93,6 +93,7 @@ class Search:
         sample_rate_hz: float,
         if_hz: float,
         blocks: int,
+        bins: tuple[int, int],
         threads: int,
         first: int = ...,
         scale: float = ...,

@@ -39,6 +39,8 @@ NOT_BY_DEFAULT = ("B1CD",)
 """Searched only on demand: the pilot, on the same carrier, is 4.8 dB stronger."""
 
 _PRNS_AT_ONCE = 8
+_WORK_AT_ONCE = 50.0
+"""Doppler bins times seconds of samples: a quarter of a second on one core."""
 _STRONG = 2.0
 """A statistic of this many thresholds is beyond what cross-correlation makes of one's equals."""
 _CLOSE = 10**-1.2
@@ -139,8 +141,12 @@ def acquire(
     for plan in plans:
         ranges = _doppler_ranges(plan, config, found)
         report = _offset(progress, done, total, len(plan.prns) / max(len(ranges), 1))
-        search = _SignalSearch(recording, plan, config, start_sample, threads or _processors())
-        found[plan.signal] = search.run(ranges, report) if ranges else []
+        found[plan.signal] = []
+        if ranges:
+            search = _SignalSearch(
+                recording, plan, config, ranges, start_sample, threads or _processors()
+            )
+            found[plan.signal] = search.run(report)
         done += len(plan.prns)
     if progress is not None:
         progress(total, total)
@@ -232,10 +238,13 @@ class _SignalSearch:
         recording: Source,
         plan: _Plan,
         config: AcquisitionConfig,
+        ranges: dict[int, tuple[int, int]],
         start_sample: int,
         threads: int,
     ) -> None:
+        """``ranges``: first and last Doppler bin of each PRN to search; at least one."""
         self._plan, self._config, self._start = plan, config, start_sample
+        self._ranges = ranges
         form = recording.format
         # From a whole byte of any format, with samples to fill the filter.
         begin = max(start_sample - 4096, 0) // 4 * 4
@@ -248,6 +257,7 @@ class _SignalSearch:
                 sample_rate_hz=form.sample_rate_hz,
                 if_hz=plan.carrier_hz - form.lo_hz,
                 blocks=plan.blocks,
+                bins=(min(low for low, _ in ranges.values()), max(h for _, h in ranges.values())),
                 threads=threads,
                 first=start_sample - begin,
                 scale=form.float_scale,
@@ -255,32 +265,38 @@ class _SignalSearch:
             )
         except ValueError as error:
             raise RecordingError(f"{plan.signal}: {error}") from error
+        widest = max(high - low + 1 for low, high in ranges.values())
+        work = widest * plan.blocks * plan.period_s
+        self._at_once = max(1, min(_PRNS_AT_ONCE, int(_WORK_AT_ONCE / work)))
         self._correlation = tuple(_core.search_peak_shape(plan.signal, [1.0, 2.0, 3.0])[1])
 
-    def run(
-        self, ranges: dict[int, tuple[int, int]], report: Callable[[int], None]
-    ) -> list[Acquisition]:
-        """Search all PRNs, then confirm the weak detections with the strong ones taken out."""
-        jobs = [(prn, low, high) for prn, (low, high) in ranges.items()]
-        results: dict[int, Acquisition] = {}
-        for i in range(0, len(jobs), _PRNS_AT_ONCE):
-            report(i)
-            results |= self._searched(jobs[i : i + _PRNS_AT_ONCE])
+    def run(self, report: Callable[[int], None]) -> list[Acquisition]:
+        """Search all PRNs, then confirm the weak detections with the strong ones taken out.
+
+        Args:
+            report: called with the number of PRNs done.
+        """
+        results = self._searched(list(self._ranges), report)
         unsure = [a for a in results.values() if a.detected]
         while (strong := _strong(unsure)) and len(strong) < len(unsure):
             self._search.cancel([(a.prn, a.doppler_hz, a.code_delay_s) for a in strong])
-            weak = [a.prn for a in unsure if a not in strong]
-            again = self._searched([(prn, *ranges[prn]) for prn in weak])
+            again = self._searched([a.prn for a in unsure if a not in strong])
             results |= again
             unsure = [a for a in again.values() if a.detected]
         return list(results.values())
 
-    def _searched(self, jobs: list[tuple[int, int, int]]) -> dict[int, Acquisition]:
-        peaks = self._search.run(jobs)
-        return {
-            peak.prn: self._record(peak, high - low + 1)
-            for peak, (_, low, high) in zip(peaks, jobs, strict=True)
-        }
+    def _searched(
+        self, prns: list[int], report: Callable[[int], None] | None = None
+    ) -> dict[int, Acquisition]:
+        """Search in short calls: the core notices Ctrl-C only between them."""
+        results: dict[int, Acquisition] = {}
+        while rest := prns[len(results) :]:
+            if report is not None:
+                report(len(results))
+            jobs = [(prn, *self._ranges[prn]) for prn in rest[: self._at_once]]
+            for peak, (_, low, high) in zip(self._search.run(jobs), jobs, strict=True):
+                results[peak.prn] = self._record(peak, high - low + 1)
+        return results
 
     def _record(self, peak: _core.SearchPeak, bins: int) -> Acquisition:
         plan = self._plan

@@ -38,6 +38,7 @@ def seen_later(name, suspect):
     form = recording.format
     start = int(0.05 * form.sample_rate_hz)
     known = acquire(recording, AcquisitionConfig(), signals=["L1CA"], start_sample=start, threads=2)
+    middle = round(suspect.doppler_hz / suspect.doppler_bin_hz)
     search = _core.Search(
         "L1CA",
         recording.read_raw(0, recording.sample_count),
@@ -45,6 +46,7 @@ def seen_later(name, suspect):
         sample_rate_hz=form.sample_rate_hz,
         if_hz=1575.42e6 - form.lo_hz,
         blocks=40,
+        bins=(middle - 1, middle + 1),
         threads=2,
         first=start,
         conjugate=form.conjugate,
@@ -56,7 +58,6 @@ def seen_later(name, suspect):
             if a.detected and a.prn in table(name, "L1CA")
         ]
     )
-    middle = round(suspect.doppler_hz / suspect.doppler_bin_hz)
     (peak,) = search.run([(suspect.prn, middle - 1, middle + 1)])
     correlation = tuple(_core.search_peak_shape("L1CA", [1.0, 2.0, 3.0])[1])
     return peak, threshold(1e-5, 3, peak.cells // 3, 40, correlation)

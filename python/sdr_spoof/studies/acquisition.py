@@ -127,6 +127,7 @@ def _search(grid: Grid, raw: NDArray[np.uint8], rate_hz: float, threads: int) ->
         sample_rate_hz=rate_hz,
         if_hz=0.0,
         blocks=grid.blocks,
+        bins=(-grid.reach, grid.reach),
         threads=threads,
     )
 

@@ -4,7 +4,7 @@ use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use sdr_spoof_core::acquire::replica::{search_rate_hz as rate_hz, PeakShape};
 use sdr_spoof_core::acquire::{Input, Job, Known, Peak, Search};
-use sdr_spoof_core::dsp::resample::RawSamples;
+use sdr_spoof_core::dsp::raw::RawSamples;
 use sdr_spoof_core::{sample::SampleFormat, signal};
 
 use crate::to_py;
@@ -39,9 +39,10 @@ struct PySearch(Search);
 
 #[pymethods]
 impl PySearch {
-    /// Takes in `blocks` + 1 code periods of `raw` from sample `first` on.
+    /// Takes in `blocks` + 1 code periods of `raw` from sample `first` on, for searches in the
+    /// Doppler bins from the first to the last of `bins`.
     #[new]
-    #[pyo3(signature = (signal, raw, sample_format, *, sample_rate_hz, if_hz, blocks, threads,
+    #[pyo3(signature = (signal, raw, sample_format, *, sample_rate_hz, if_hz, blocks, bins, threads,
                         first=0, scale=1.0, conjugate=false))]
     #[allow(clippy::too_many_arguments)]
     fn new(
@@ -52,6 +53,7 @@ impl PySearch {
         sample_rate_hz: f64,
         if_hz: f64,
         blocks: usize,
+        bins: (i64, i64),
         threads: usize,
         first: usize,
         scale: f32,
@@ -71,7 +73,7 @@ impl PySearch {
             first,
             if_hz,
         };
-        py.detach(|| Search::new(spec, input, blocks, threads))
+        py.detach(|| Search::new(spec, input, blocks, bins.0..=bins.1, threads))
             .map(PySearch)
             .map_err(to_py)
     }

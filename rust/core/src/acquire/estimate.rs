@@ -1,7 +1,7 @@
 //! Peak to estimates: Doppler, code delay and C/N0 between the cells of the search.
 
 use super::replica::PeakShape;
-use crate::dsp::resample::sinc;
+use crate::dsp::low_pass::sinc;
 
 /// Delay cells on each side of the peak that the fit uses.
 pub(super) const DELAY_REACH: usize = 2;
@@ -22,37 +22,71 @@ pub(super) struct Fit {
     pub snr: f64,
 }
 
-/// Least-squares fit of `snr * |R(delay)|^2 * sinc^2(doppler / 2)`, first on the lattice, then
-/// between its points.
-pub(super) fn fit(shape: &PeakShape, cells: &Neighbourhood) -> Fit {
-    let doppler = maximise(0.75, |d| {
-        let middle: Vec<f64> = cells.iter().map(|row| row[DELAY_REACH]).collect();
-        score(&middle, &doppler_template(d))
-    });
-    let weights = doppler_template(doppler);
-    let column = |l: usize| -> f64 { (0..3).map(|b| weights[b] * cells[b][l]).sum() };
-    let profile: Vec<f64> = (0..WIDTH).map(column).collect();
-    let delay = maximise(0.75, |d| score(&profile, &delay_template(shape, d)));
-    let energy: f64 = weights.iter().map(|w| w * w).sum();
-    let template = delay_template(shape, delay);
-    let snr = project(&profile, &template) / (energy * project(&template, &template));
-    Fit {
-        delay,
-        doppler,
-        snr,
+/// Reach of the fit, in cells, and steps of the lattice on each side.
+const REACH: f64 = 0.75;
+const STEPS: usize = 24;
+
+/// Fits the shape of a signal's peak.
+pub(super) struct Fitter {
+    shape: PeakShape,
+    /// Delay templates at the points of the lattice.
+    lattice: Vec<[f64; WIDTH]>,
+}
+
+impl Fitter {
+    pub fn new(shape: PeakShape) -> Self {
+        // Lattice points are steps apart, cells whole cells: few different delays in all.
+        let cell = (STEPS as f64 / REACH) as usize;
+        let steps = DELAY_REACH * cell + STEPS;
+        let correlation = |i: usize| shape.correlation(i as f64 / cell as f64);
+        let table: Vec<f64> = (0..=steps).map(correlation).collect();
+        let template = |i: usize| {
+            let at = |l: usize| (l * cell + STEPS).abs_diff(DELAY_REACH * cell + i);
+            std::array::from_fn(|l| table[at(l)].powi(2))
+        };
+        let lattice = (0..=2 * STEPS).map(template).collect();
+        Fitter { shape, lattice }
     }
+
+    /// Share of the signal's power inside the search band.
+    pub fn power_in_band(&self) -> f64 {
+        self.shape.power_in_band
+    }
+
+    /// Least-squares fit of `snr * |R(delay)|^2 * sinc^2(doppler / 2)`, first on the lattice, then
+    /// between its points.
+    pub fn fit(&self, cells: &Neighbourhood) -> Fit {
+        let middle = cells.map(|row| row[DELAY_REACH]);
+        let doppler = maximise(|i| score(&middle, &doppler_template(offset(i))));
+        let weights = doppler_template(doppler);
+        let profile: [f64; WIDTH] =
+            std::array::from_fn(|l| (0..3).map(|b| weights[b] * cells[b][l]).sum());
+        let delay = maximise(|i| score(&profile, &self.lattice[i]));
+        let energy: f64 = weights.iter().map(|w| w * w).sum();
+        let template = self.delay_template(delay);
+        let snr = project(&profile, &template) / (energy * project(&template, &template));
+        Fit {
+            delay,
+            doppler,
+            snr,
+        }
+    }
+
+    fn delay_template(&self, offset: f64) -> [f64; WIDTH] {
+        std::array::from_fn(|l| {
+            let delay = l as f64 - DELAY_REACH as f64 - offset;
+            self.shape.correlation(delay).powi(2)
+        })
+    }
+}
+
+/// Of a lattice point, in cells.
+fn offset(i: usize) -> f64 {
+    (i as f64 - STEPS as f64) * REACH / STEPS as f64
 }
 
 fn doppler_template(offset: f64) -> [f64; 3] {
     [-1.0, 0.0, 1.0].map(|b| sinc((b - offset) / 2.0).powi(2))
-}
-
-fn delay_template(shape: &PeakShape, offset: f64) -> [f64; WIDTH] {
-    std::array::from_fn(|l| {
-        shape
-            .correlation(l as f64 - DELAY_REACH as f64 - offset)
-            .powi(2)
-    })
 }
 
 fn project(a: &[f64], b: &[f64]) -> f64 {
@@ -65,27 +99,24 @@ fn score(data: &[f64], template: &[f64]) -> f64 {
     p * p.abs() / project(template, template)
 }
 
-/// Argument in [-reach, reach] of the largest value: lattice, then parabola.
-fn maximise(reach: f64, f: impl Fn(f64) -> f64) -> f64 {
-    const STEPS: i32 = 24;
-    let step = reach / f64::from(STEPS);
-    let values: Vec<f64> = (-STEPS..=STEPS).map(|i| f(f64::from(i) * step)).collect();
+/// Offset of the largest value: on the lattice, then by a parabola.
+fn maximise(f: impl Fn(usize) -> f64) -> f64 {
+    let values: Vec<f64> = (0..=2 * STEPS).map(f).collect();
     let (mut best, mut top) = (0, f64::NEG_INFINITY);
     for (i, &v) in values.iter().enumerate() {
         if v > top {
             (best, top) = (i, v);
         }
     }
-    let at = (best as f64 - f64::from(STEPS)) * step;
     if best == 0 || best + 1 == values.len() {
-        return at;
+        return offset(best);
     }
     let (below, above) = (values[best - 1], values[best + 1]);
     let curvature = below - 2.0 * top + above;
     if curvature < 0.0 {
-        at + step * 0.5 * (below - above) / curvature
+        offset(best) + 0.5 * (below - above) / curvature * (offset(1) - offset(0))
     } else {
-        at
+        offset(best)
     }
 }
 
@@ -97,11 +128,11 @@ mod tests {
     #[test]
     fn fit_is_exact_without_noise() {
         for spec in SIGNALS {
-            let shape = PeakShape::new(spec);
+            let fitter = Fitter::new(PeakShape::new(spec));
             for (delay, doppler) in [(0.0, 0.0), (0.31, -0.42), (-0.47, 0.2)] {
-                let (f, d) = (doppler_template(doppler), delay_template(&shape, delay));
+                let (f, d) = (doppler_template(doppler), fitter.delay_template(delay));
                 let cells = f.map(|w| d.map(|x| 12.0 * w * x));
-                let got = fit(&shape, &cells);
+                let got = fitter.fit(&cells);
                 assert!((got.delay - delay).abs() < 0.01, "{} {got:?}", spec.id);
                 assert!((got.doppler - doppler).abs() < 0.01, "{} {got:?}", spec.id);
                 assert!((got.snr - 12.0).abs() < 0.1, "{} {got:?}", spec.id);

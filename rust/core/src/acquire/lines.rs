@@ -2,7 +2,9 @@
 //! with and which would pass for weak satellites.
 
 use num_complex::Complex32;
-use rustfft::FftPlanner;
+use rayon::prelude::*;
+
+use super::library::{forward, inverse};
 
 /// Bands in which the noise level is estimated.
 const BANDS: usize = 64;
@@ -13,15 +15,16 @@ const LIMIT: f32 = 16.0;
 ///
 /// Limiting, not zeroing: a very strong signal whose own lines stand out keeps most of its power.
 pub(super) fn limit_lines(samples: &mut [Complex32]) {
-    let mut planner = FftPlanner::new();
-    planner.plan_fft_forward(samples.len()).process(samples);
-    for band in samples.chunks_mut(samples.len().div_ceil(BANDS)) {
-        let limit = LIMIT * noise_mean(band);
-        for bin in band.iter_mut().filter(|b| b.norm_sqr() > limit) {
-            *bin *= (limit / bin.norm_sqr()).sqrt();
-        }
-    }
-    planner.plan_fft_inverse(samples.len()).process(samples);
+    forward(samples.len()).process(samples);
+    samples
+        .par_chunks_mut(samples.len().div_ceil(BANDS))
+        .for_each(|band| {
+            let limit = LIMIT * noise_mean(band);
+            for bin in band.iter_mut().filter(|b| b.norm_sqr() > limit) {
+                *bin *= (limit / bin.norm_sqr()).sqrt();
+            }
+        });
+    inverse(samples.len()).process(samples);
     let scale = 1.0 / samples.len() as f32;
     samples.iter_mut().for_each(|v| *v *= scale);
 }

@@ -10,26 +10,38 @@
 
 mod cancel;
 mod estimate;
+mod fft;
+mod grid;
+mod library;
 mod lines;
 #[cfg(test)]
 mod reference;
 pub mod replica;
 mod transform;
+mod zone;
 
-use std::sync::Arc;
+use std::ops::RangeInclusive;
+use std::sync::{Mutex, PoisonError};
 
-use num_complex::Complex32;
 use rayon::prelude::*;
-use rustfft::{Fft, FftPlanner};
 
-use crate::dsp::resample::{RawSamples, Resampler};
+use crate::dsp::raw::RawSamples;
 use crate::signal::SignalSpec;
+use crate::simd::Level;
 use crate::{Error, Result};
-use estimate::{Fit, Neighbourhood, DELAY_REACH, WIDTH};
-use replica::{replica, search_rate_hz, PeakShape};
-use transform::{add_power, best_span, multiply, normalise, padded_spectrum};
+use estimate::{Fitter, DELAY_REACH, WIDTH};
+use fft::{CodeSpectrum, Correlator};
+use grid::{Pair, Summary, Worker};
+use replica::{PeakShape, Replicas};
+use transform::{best_span, padded_spectrum};
+use zone::{Common, Zone};
 
 pub use cancel::Known;
+
+/// Root mean square of spectra, an eleventh of what 16 bits hold.
+const SPECTRUM_RMS: f32 = 3000.0;
+/// Doppler bins that one worker goes through at a time.
+const BINS: usize = 16;
 
 /// Where the samples come from.
 #[derive(Debug, Clone, Copy)]
@@ -74,74 +86,54 @@ pub struct Peak {
 
 /// The samples of one signal, ready to be searched for any PRN.
 pub struct Search {
-    spec: &'static SignalSpec,
-    shape: PeakShape,
-    /// Samples per code period.
-    period: usize,
-    /// Non-coherent sums.
-    blocks: usize,
-    /// Periods whose lags one FFT gives.
-    span: usize,
-    /// Resampled to [`replica::search_rate_hz`], unit power.
-    samples: Vec<Complex32>,
-    spectra: Vec<Vec<Complex32>>,
-    forward: Arc<dyn Fft<f32>>,
-    inverse: Arc<dyn Fft<f32>>,
+    common: Common,
+    plan: Correlator,
+    replicas: Replicas,
+    fitter: Fitter,
+    /// Number of the first zone.
+    first_zone: i64,
+    zones: Vec<Zone>,
     pool: rayon::ThreadPool,
-}
-
-/// Buffers of one worker.
-struct Work {
-    product: Vec<Complex32>,
-    scratch: Vec<Complex32>,
-    row: Vec<f32>,
+    /// Those not at work.
+    workers: Mutex<Vec<Worker>>,
 }
 
 impl Search {
-    /// Takes in `blocks` + 1 code periods from `input`, for use with `threads` threads.
+    /// Takes in `blocks` + 1 code periods from `input`, for searches in the Doppler bins of
+    /// `bins` with `threads` threads.
     ///
     /// # Errors
-    /// [`Error::Invalid`] if there is nothing to search: no block, no thread, or silence.
+    /// [`Error::Invalid`] if there is nothing to search: no block, no bin, no thread, or silence.
     pub fn new(
         spec: &'static SignalSpec,
         input: Input<'_>,
         blocks: usize,
+        bins: RangeInclusive<i64>,
         threads: usize,
     ) -> Result<Self> {
-        if blocks == 0 || threads == 0 {
+        if blocks == 0 || threads == 0 || bins.is_empty() {
             return Err(Error::Invalid(
-                "a search needs at least 1 block and 1 thread".into(),
+                "a search needs at least 1 block, 1 Doppler bin and 1 thread".into(),
             ));
         }
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
             .map_err(|e| Error::Invalid(format!("cannot start {threads} threads: {e}")))?;
-        let rate = search_rate_hz(spec);
-        let period = (rate * spec.period_s()).round() as usize;
-        let resampler = Resampler::new(input.sample_rate_hz, rate, input.if_hz)?;
-        let count = (blocks + 1) * period;
-        let mut samples = pool.install(|| resampler.run(input.raw, input.first as f64, count));
-        normalise(&mut samples)?;
-        lines::limit_lines(&mut samples);
-        let span = best_span(blocks);
-        let size = (span + 1) * period;
-        let mut planner = FftPlanner::new();
-        let forward = planner.plan_fft_forward(size);
-        let inverse = planner.plan_fft_inverse(size);
-        let shape = PeakShape::new(spec);
-        let spectra = Vec::new();
+        let common = Common::new(spec, blocks, best_span(blocks));
+        let first_zone = common.zone_of(*bins.start());
+        let zones = (first_zone..=common.zone_of(*bins.end()))
+            .map(|number| pool.install(|| Zone::new(&common, number, input)))
+            .collect::<Result<_>>()?;
         let mut search = Search {
-            spec,
-            shape,
-            period,
-            blocks,
-            span,
-            samples,
-            spectra,
-            forward,
-            inverse,
+            plan: Correlator::new(Level::best(), common.period, common.span)?,
+            replicas: pool.install(|| Replicas::new(spec, common.period)),
+            fitter: Fitter::new(PeakShape::new(spec)),
+            common,
+            first_zone,
+            zones,
             pool,
+            workers: Mutex::default(),
         };
         search.transform();
         Ok(search)
@@ -152,27 +144,28 @@ impl Search {
     /// # Errors
     /// [`Error::UnknownPrn`].
     pub fn cancel(&mut self, known: &[Known]) -> Result<()> {
-        known
-            .iter()
-            .try_for_each(|k| cancel::cancel(self.spec, self.period, k, &mut self.samples))?;
+        for k in known {
+            let spectrum = self.replicas.spectrum(k.prn)?;
+            for zone in &mut self.zones {
+                self.pool
+                    .install(|| zone.cancel(&self.common, k, &spectrum));
+            }
+        }
         self.transform();
         Ok(())
     }
 
     fn transform(&mut self) {
-        let size = (self.span + 1) * self.period;
-        self.spectra = (0..self.blocks.div_ceil(self.span))
-            .map(|g| {
-                let from = &self.samples[g * self.span * self.period..];
-                padded_spectrum(&self.forward, from, size)
-            })
-            .collect();
+        let (common, plan, zones) = (&self.common, &self.plan, &mut self.zones);
+        self.pool
+            .install(|| zones.par_iter_mut().for_each(|z| z.transform(common, plan)));
     }
 
     /// Runs searches; the result is in the order of `jobs`, the same for any number of threads.
     ///
     /// # Errors
-    /// [`Error::UnknownPrn`]; [`Error::Invalid`] for an empty Doppler range.
+    /// [`Error::UnknownPrn`]; [`Error::Invalid`] for a Doppler range that is empty or not in that
+    /// of [`Search::new`].
     pub fn run(&self, jobs: &[Job]) -> Result<Vec<Peak>> {
         self.pool
             .install(|| jobs.par_iter().map(|job| self.search(job)).collect())
@@ -180,114 +173,114 @@ impl Search {
 
     /// Width of a Doppler bin, 1/(2T).
     pub fn doppler_bin_hz(&self) -> f64 {
-        0.5 / self.spec.period_s()
+        self.common.doppler_bin_hz()
     }
 
     fn search(&self, job: &Job) -> Result<Peak> {
-        if job.low > job.high {
+        let (low, high) = (self.zone(job.low), self.zone(job.high));
+        if job.low > job.high || low.is_none() || high.is_none() {
             return Err(Error::Invalid(format!(
-                "PRN {}: empty Doppler range",
+                "PRN {}: no Doppler bins, or other ones than the search is for",
                 job.prn
             )));
         }
-        let code = replica(self.spec, job.prn, self.period)?;
-        let mut code = padded_spectrum(&self.forward, &code, (self.span + 1) * self.period);
-        code.iter_mut().for_each(|v| *v = v.conj());
-        let mut work = self.work();
-        let (mut total, mut top, mut peak) = (0f64, f32::NEG_INFINITY, (0, 0));
-        for bin in job.low..=job.high {
-            self.fill_row(&code, bin, &mut work);
-            total += work.row.iter().map(|&p| f64::from(p)).sum::<f64>();
-            for (lag, &power) in work.row.iter().enumerate() {
-                if power > top {
-                    (top, peak) = (power, (bin, lag));
-                }
-            }
-        }
-        let cells = (job.high - job.low + 1) as usize * self.period;
-        Ok(self.peak(job, &code, peak, total, cells, &mut work))
+        let code = self.code(job.prn)?;
+        let summaries: Vec<Summary> = self
+            .parts(job)
+            .into_par_iter()
+            .filter_map(|(low, high)| {
+                let pair = self.pair(&code, low)?;
+                Some(self.with_worker(|w| w.summarise(pair, low, high)))
+            })
+            .collect();
+        let summary = summaries.into_iter().reduce(Summary::joined);
+        let found = summary.and_then(|s| Some((s, self.pair(&code, s.bin)?)));
+        found
+            .map(|(summary, pair)| self.peak(job, pair, summary))
+            .ok_or_else(|| Error::Invalid("an empty search".into()))
     }
 
-    fn work(&self) -> Work {
-        let zero = Complex32::default();
-        Work {
-            product: vec![zero; (self.span + 1) * self.period],
-            scratch: vec![zero; self.inverse.get_inplace_scratch_len()],
-            row: vec![0.0; self.period],
+    /// Ranges of bins, none of them in two zones.
+    fn parts(&self, job: &Job) -> Vec<(i64, i64)> {
+        let mut parts = Vec::new();
+        let mut low = job.low;
+        while low <= job.high {
+            let last = self.common.last_of(self.common.zone_of(low)).min(job.high);
+            let count = (last + 1 - low) as usize;
+            let size = count.div_ceil(count.div_ceil(BINS));
+            let starts = (low..=last).step_by(size);
+            parts.extend(starts.map(|from| (from, (from + size as i64 - 1).min(last))));
+            low = last + 1;
         }
+        parts
     }
 
-    /// Samples by which the lag of block `block` is later than that of block 0.
-    fn drift(&self, bin: i64, block: usize) -> f64 {
-        let doppler_hz = bin as f64 * self.doppler_bin_hz();
-        -((block * self.period) as f64) * doppler_hz / self.spec.carrier_hz
+    /// Conjugate spectrum of a code.
+    fn code(&self, prn: u16) -> Result<CodeSpectrum> {
+        let samples = self.replicas.samples(prn)?;
+        let spectrum = padded_spectrum(&samples, self.plan.size());
+        let scale = SPECTRUM_RMS / (self.common.period as f32).sqrt();
+        Ok(self.plan.code_spectrum(&spectrum, scale))
     }
 
-    /// Sums the power of all blocks at every lag of one Doppler bin into `work.row`.
-    fn fill_row(&self, code: &[Complex32], bin: i64, work: &mut Work) {
-        let size = code.len();
-        let shift = (bin * (self.span as i64 + 1) / 2).rem_euclid(size as i64) as usize;
-        work.row.fill(0.0);
-        for (g, spectrum) in self.spectra.iter().enumerate() {
-            let (low, high) = work.product.split_at_mut(size - shift);
-            multiply(low, &spectrum[shift..], &code[..size - shift]);
-            multiply(high, &spectrum[..shift], &code[size - shift..]);
-            self.inverse
-                .process_with_scratch(&mut work.product, &mut work.scratch);
-            for b in 0..self.span.min(self.blocks - g * self.span) {
-                let drift = self.drift(bin, g * self.span + b).round() as i64;
-                let lags = &work.product[b * self.period..(b + 1) * self.period];
-                add_power(&mut work.row, lags, drift);
-            }
-        }
+    fn zone(&self, bin: i64) -> Option<&Zone> {
+        let number = self.common.zone_of(bin) - self.first_zone;
+        self.zones.get(usize::try_from(number).ok()?)
+    }
+
+    /// The code and the samples of a bin's zone.
+    fn pair<'a>(&'a self, code: &'a CodeSpectrum, bin: i64) -> Option<Pair<'a>> {
+        Some(Pair {
+            common: &self.common,
+            plan: &self.plan,
+            zone: self.zone(bin)?,
+            code,
+        })
+    }
+
+    /// Lends a worker, a new one if all are at work.
+    fn with_worker<T>(&self, work: impl FnOnce(&mut Worker) -> T) -> T {
+        let idle = || self.workers.lock().unwrap_or_else(PoisonError::into_inner);
+        let held = idle().pop();
+        let mut worker = held.unwrap_or_else(|| Worker::new(&self.plan, self.common.period));
+        let result = work(&mut worker);
+        idle().push(worker);
+        result
     }
 
     /// Reads the estimates off the neighbourhood of the largest cell.
-    fn peak(
-        &self,
-        job: &Job,
-        code: &[Complex32],
-        (bin, lag): (i64, usize),
-        total: f64,
-        cells: usize,
-        work: &mut Work,
-    ) -> Peak {
-        let mut near = Neighbourhood::default();
+    fn peak(&self, job: &Job, pair: Pair<'_>, summary: Summary) -> Peak {
+        let (bin, lag) = (summary.bin, summary.lag);
+        let cells = (job.high - job.low + 1) as usize * self.common.period;
+        let mut near = [[0.0; WIDTH]; 3];
         let (mut excluded, mut excluded_cells) = (0.0, 0);
         for (i, b) in (bin - 1..=bin + 1).enumerate() {
-            self.fill_row(code, b, work);
-            for (l, cell) in near[i].iter_mut().enumerate() {
-                let at = (lag + self.period + l - DELAY_REACH) % self.period;
-                *cell = f64::from(work.row[at]);
-            }
+            let look = || self.with_worker(|w| w.cells(pair, b, lag));
+            near[i] = summary.near[i].unwrap_or_else(look);
             if (job.low..=job.high).contains(&b) {
                 excluded += near[i].iter().sum::<f64>();
                 excluded_cells += WIDTH;
             }
         }
-        let floor = (total - excluded) / (cells - excluded_cells) as f64;
+        let floor = (summary.total - excluded) / (cells - excluded_cells) as f64;
         let top = near[1][DELAY_REACH];
-        near.iter_mut()
-            .flatten()
-            .for_each(|cell| *cell = *cell / floor - 1.0);
-        let fit = estimate::fit(&self.shape, &near);
+        let fit = self
+            .fitter
+            .fit(&near.map(|row| row.map(|cell| cell / floor - 1.0)));
         let snr = fit.snr.max(0.0);
-        let period_s = self.spec.period_s();
+        let period_s = self.common.spec.period_s();
+        // The sums follow the drift in whole samples; the mean rest is put back.
+        let blocks = self.common.blocks;
+        let drifts = (0..blocks).map(|k| pair.zone.drift(&self.common, bin, k));
+        let rest = drifts.map(|d| d - d.round()).sum::<f64>() / blocks as f64;
+        let delay = (lag as f64 + fit.delay - rest).rem_euclid(self.common.period as f64);
         Peak {
             prn: job.prn,
-            statistic: 2.0 * self.blocks as f64 * top / floor,
+            statistic: 2.0 * blocks as f64 * top / floor,
             cells,
-            doppler_hz: (bin as f64 + fit.doppler) * self.doppler_bin_hz(),
-            code_delay_s: self.code_delay_s(bin, lag, fit),
-            cn0_dbhz: 10.0 * (snr / (period_s * self.shape.power_in_band)).log10(),
+            doppler_hz: pair.zone.doppler_hz(&self.common, bin as f64 + fit.doppler),
+            code_delay_s: delay / pair.zone.rate_hz(&self.common),
+            cn0_dbhz: 10.0 * (snr / (period_s * self.fitter.power_in_band())).log10(),
         }
-    }
-
-    /// Delay of block 0; the sums follow the drift in whole samples, the mean rest is put back.
-    fn code_delay_s(&self, bin: i64, lag: usize, fit: Fit) -> f64 {
-        let rest = |k: usize| self.drift(bin, k) - self.drift(bin, k).round();
-        let mean = (0..self.blocks).map(rest).sum::<f64>() / self.blocks as f64;
-        let samples = lag as f64 + fit.delay - mean;
-        samples.rem_euclid(self.period as f64) / search_rate_hz(self.spec)
     }
 }

@@ -2,25 +2,27 @@
 
 use std::f64::consts::TAU;
 
-use super::replica::{replica, search_rate_hz};
-use super::{Input, Job, Search};
-use crate::dsp::resample::RawSamples;
+use super::fft::LANES;
+use super::replica::search_rate_hz;
+use super::{Input, Job, Search, SPECTRUM_RMS};
+use crate::dsp::raw::RawSamples;
 use crate::sample::SampleFormat;
 use crate::signal::{find, SignalSpec};
 use crate::C64;
 
 /// Power of the cell, summed over the blocks.
 fn cell(search: &Search, prn: u16, bin: i64, lag: usize) -> f64 {
-    let code = replica(search.spec, prn, search.period).unwrap();
-    let step = bin as f64 * search.doppler_bin_hz() / search_rate_hz(search.spec);
-    let period = search.period as i64;
-    (0..search.blocks)
+    let code = search.replicas.samples(prn).unwrap();
+    let (common, zone) = (&search.common, search.zone(bin).unwrap());
+    let step = (bin - zone.centre) as f64 / 2.0 / common.period as f64;
+    let period = common.period as i64;
+    (0..common.blocks)
         .map(|k| {
-            let drift = search.drift(bin, k).round() as i64;
-            let from = k * search.period + (lag as i64 + drift).rem_euclid(period) as usize;
+            let drift = zone.drift(common, bin, k).round() as i64;
+            let from = k * common.period + (lag as i64 + drift).rem_euclid(period) as usize;
             let sum: C64 = code
                 .iter()
-                .zip(&search.samples[from..])
+                .zip(&zone.samples[from..])
                 .enumerate()
                 .map(|(n, (r, x))| {
                     let wide = |v: num_complex::Complex32| C64::new(v.re.into(), v.im.into());
@@ -58,7 +60,7 @@ fn search(spec: &'static SignalSpec, bytes: &[u8], blocks: usize) -> Search {
         first: 37,
         if_hz: 12e3,
     };
-    Search::new(spec, input, blocks, 1).unwrap()
+    Search::new(spec, input, blocks, -110..=1010, 1).unwrap()
 }
 
 #[test]
@@ -71,24 +73,56 @@ fn every_cell_is_what_the_definition_says() {
         ("B1CP", 20, 2),
     ] {
         let search = search(find(id).unwrap(), &bytes, blocks);
-        let code = replica(search.spec, prn, search.period).unwrap();
-        let size = (search.span + 1) * search.period;
-        let mut code = super::padded_spectrum(&search.forward, &code, size);
-        code.iter_mut().for_each(|v| *v = v.conj());
-        let mut work = search.work();
-        for bin in [-2000, -3, 0, 1, 1500] {
-            search.fill_row(&code, bin, &mut work);
-            for lag in [0, 1, 1023, search.period - 1] {
+        let period = search.common.period;
+        let code = search.code(prn).unwrap();
+        // The inverse transform is not normalised, and both spectra are scaled.
+        let size = search.plan.size() as f64;
+        let scale = f64::from(SPECTRUM_RMS).powi(2) / (size * period as f64).sqrt() * size;
+        for bin in [-105, -3, 0, 1, 100, 1000] {
+            let pair = search.pair(&code, bin).unwrap();
+            let row = search.with_worker(|w| w.fill_row(pair, bin).to_vec());
+            assert_eq!(row.len(), period);
+            for lag in [0, 1, LANES - 1, 1023, period - 1] {
                 let want = cell(&search, prn, bin, lag);
-                // The inverse FFT is not normalised.
-                let got = f64::from(work.row[lag]) / (size as f64).powi(2);
-                let scale = (blocks * search.period) as f64;
+                let got = f64::from(row[lag]) / scale.powi(2);
+                let noise = (blocks * period) as f64;
                 assert!(
-                    (got - want).abs() < 2e-3 * (want + scale),
+                    (got - want).abs() < 2e-3 * (want + noise),
                     "{id} {bin} {lag} {got} {want}"
                 );
             }
         }
+    }
+}
+
+#[test]
+fn any_cut_of_the_doppler_range_gives_the_same_peak() {
+    let bytes = noise(2 * 5_000 * 40);
+    let search = search(find("B1CP").unwrap(), &bytes, 2);
+    // Through three zones, in parts of 16 bins.
+    let whole = Job {
+        prn: 33,
+        low: -20,
+        high: 500,
+    };
+    let peak = search.run(&[whole]).unwrap()[0];
+    let bin = (peak.doppler_hz / search.doppler_bin_hz()).round() as i64;
+    for (below, above) in [(0, 1), (1, 0), (7, 30)] {
+        let part = Job {
+            low: bin - below,
+            high: bin + above,
+            ..whole
+        };
+        let again = search.run(&[part]).unwrap()[0];
+        let delay = again.code_delay_s - peak.code_delay_s;
+        assert!(
+            (again.doppler_hz - peak.doppler_hz).abs() < 3.0,
+            "{again:?} {peak:?}"
+        );
+        assert!(
+            delay.abs() * search_rate_hz(search.common.spec) < 0.1,
+            "{again:?} {peak:?}"
+        );
     }
 }
 
@@ -103,7 +137,7 @@ fn the_statistic_is_the_largest_cell_over_the_mean() {
     };
     let peak = search.run(&[job]).unwrap()[0];
     assert_eq!(peak.cells, 10 * 2048);
-    let lag = (peak.code_delay_s * search_rate_hz(search.spec)).round() as i64;
+    let lag = (peak.code_delay_s * search_rate_hz(search.common.spec)).round() as i64;
     let bin = (peak.doppler_hz / search.doppler_bin_hz()).round() as i64;
     let near: Vec<(i64, i64)> = (-1..=1)
         .flat_map(|b| (-1..=1).map(move |l| (b, l)))
@@ -113,7 +147,7 @@ fn the_statistic_is_the_largest_cell_over_the_mean() {
         .map(|(b, l)| cell(&search, 30, bin + b, (lag + l).rem_euclid(2048) as usize))
         .fold(0.0, f64::max);
     // Mean power of a cell in noise of unit power: the energy of the replica.
-    let code = replica(search.spec, 30, 2048).unwrap();
+    let code = search.replicas.samples(30).unwrap();
     let energy: f64 = code.iter().map(|v| f64::from(v.norm_sqr())).sum();
     let expected = 2.0 * top / energy;
     assert!(

@@ -1,11 +1,12 @@
 //! Band-limited replicas for the search, and the shape of their correlation peak.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use num_complex::Complex32;
-use rustfft::FftPlanner;
+use rayon::prelude::*;
 
-use crate::dsp::resample::sinc;
+use super::library::{forward, inverse};
+use crate::dsp::low_pass::sinc;
 use crate::signal::SignalSpec;
 use crate::{Result, C64};
 
@@ -25,58 +26,72 @@ fn chip_spectrum(spec: &SignalSpec, f: f64) -> C64 {
     for layer in spec.modulation.layers() {
         let width = 1.0 / layer.subchips as f64;
         let pulse = width * sinc(f * width);
-        for i in 0..layer.subchips {
-            let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
-            let turn = C64::from_polar(sign * pulse, -TAU * f * (i as f64 + 0.5) * width);
+        let half = C64::from_polar(1.0, -PI * f * width);
+        let mut turn = half * pulse;
+        for _ in 0..layer.subchips {
             sum += C64::new(layer.re, layer.im) * turn;
+            turn *= -half * half;
         }
     }
     sum
 }
 
-/// Fourier coefficients of one code period, limited to +-samples/2 harmonics of the period.
-///
-/// # Errors
-/// [`crate::Error::UnknownPrn`].
-pub(super) fn code_spectrum(spec: &SignalSpec, prn: u16, samples: usize) -> Result<Vec<C64>> {
-    let length = spec.code_length;
-    let mut code: Vec<C64> = spec
-        .code(prn)?
-        .iter()
-        .map(|&c| C64::new(f64::from(c), 0.0))
-        .collect();
-    FftPlanner::new()
-        .plan_fft_forward(length)
-        .process(&mut code);
-    let half = samples as i64 / 2;
-    let mut spectrum = vec![C64::default(); samples];
-    for m in -half..half {
-        let harmonic = code[m.rem_euclid(length as i64) as usize] / length as f64;
-        spectrum[m.rem_euclid(samples as i64) as usize] =
-            harmonic * chip_spectrum(spec, m as f64 / length as f64);
-    }
-    Ok(spectrum)
+/// Makes the replicas of a signal: one code period of `period` samples, band-limited to the rate
+/// that this means.
+pub(super) struct Replicas {
+    spec: &'static SignalSpec,
+    /// Fourier transform of a chip at the harmonics of the code period, 0 and up, then the
+    /// negative ones.
+    chip: Vec<Complex32>,
 }
 
-/// One code period of `samples` samples, band-limited to the rate that this means.
-///
-/// # Errors
-/// [`crate::Error::UnknownPrn`].
-pub fn replica(spec: &SignalSpec, prn: u16, samples: usize) -> Result<Vec<Complex32>> {
-    let mut period = code_spectrum(spec, prn, samples)?;
-    FftPlanner::new()
-        .plan_fft_inverse(samples)
-        .process(&mut period);
-    Ok(period
-        .iter()
-        .map(|v| Complex32::new(v.re as f32, v.im as f32))
-        .collect())
+impl Replicas {
+    pub fn new(spec: &'static SignalSpec, period: usize) -> Self {
+        let harmonic = |i: usize| {
+            let m = if i < period / 2 {
+                i as f64
+            } else {
+                i as f64 - period as f64
+            };
+            let value = chip_spectrum(spec, m / spec.code_length as f64) / spec.code_length as f64;
+            Complex32::new(value.re as f32, value.im as f32)
+        };
+        let chip = (0..period).into_par_iter().map(harmonic).collect();
+        Replicas { spec, chip }
+    }
+
+    /// Fourier coefficients of one period.
+    ///
+    /// # Errors
+    /// [`crate::Error::UnknownPrn`].
+    pub fn spectrum(&self, prn: u16) -> Result<Vec<Complex32>> {
+        let (length, period) = (self.spec.code_length, self.chip.len());
+        let code = self.spec.code(prn)?;
+        let mut code: Vec<Complex32> = code.iter().map(|&c| f32::from(c).into()).collect();
+        forward(length).process(&mut code);
+        // Harmonics repeat after one per chip, counted from 0 on both sides.
+        let negative = length - (period - period / 2) % length;
+        let above = code.iter().cycle();
+        let below = code.iter().cycle().skip(negative);
+        let codes = above.take(period / 2).chain(below);
+        Ok(self.chip.iter().zip(codes).map(|(c, v)| c * v).collect())
+    }
+
+    /// Samples of one period.
+    ///
+    /// # Errors
+    /// [`crate::Error::UnknownPrn`].
+    pub fn samples(&self, prn: u16) -> Result<Vec<Complex32>> {
+        let mut period = self.spectrum(prn)?;
+        inverse(period.len()).process(&mut period);
+        Ok(period)
+    }
 }
 
 /// The correlation peak of a signal limited to the search band, the same for every PRN.
 #[derive(Debug, Clone)]
 pub struct PeakShape {
-    /// Power density over the band: (cycles per sample, share of the signal's power).
+    /// Power density at both signs of a frequency: (cycles per sample, share of the signal's power).
     spectrum: Vec<(f64, f64)>,
     /// Share of the signal's power inside the band.
     pub power_in_band: f64,
@@ -85,13 +100,14 @@ pub struct PeakShape {
 impl PeakShape {
     /// Shape at the search rate of `spec`.
     pub fn new(spec: &SignalSpec) -> Self {
-        const POINTS: usize = 512;
+        const POINTS: usize = 256;
         let chips_per_sample = spec.chip_rate_hz / search_rate_hz(spec);
+        let density = |f: f64| chip_spectrum(spec, f / chips_per_sample).norm_sqr();
         let spectrum: Vec<_> = (0..POINTS)
             .map(|i| {
-                let f = (i as f64 + 0.5) / POINTS as f64 - 0.5;
-                let density = chip_spectrum(spec, f / chips_per_sample).norm_sqr();
-                (f, density / chips_per_sample / POINTS as f64)
+                let f = 0.5 * (i as f64 + 0.5) / POINTS as f64;
+                let width = 0.5 / POINTS as f64 / chips_per_sample;
+                (f, (density(f) + density(-f)) * width)
             })
             .collect();
         let power_in_band = spectrum.iter().map(|p| p.1).sum();
@@ -122,7 +138,7 @@ mod tests {
         for spec in SIGNALS {
             let prn = (spec.prns)()[7];
             let n = (search_rate_hz(spec) * spec.period_s()).round() as usize;
-            let r = replica(spec, prn, n).unwrap();
+            let r = Replicas::new(spec, n).samples(prn).unwrap();
             let shape = PeakShape::new(spec);
             let lag = |d: usize| -> f64 {
                 (0..n)

@@ -1,10 +1,8 @@
 //! Array operations of the search.
 
-use std::sync::Arc;
-
 use num_complex::Complex32;
-use rustfft::Fft;
 
+use super::library::forward;
 use crate::{Error, Result};
 
 /// Scales to unit power, so that single precision serves any input.
@@ -21,32 +19,11 @@ pub(super) fn normalise(samples: &mut [Complex32]) -> Result<()> {
 }
 
 /// Spectrum of the first `size` samples, zeros after the last.
-pub(super) fn padded_spectrum(
-    forward: &Arc<dyn Fft<f32>>,
-    samples: &[Complex32],
-    size: usize,
-) -> Vec<Complex32> {
+pub(super) fn padded_spectrum(samples: &[Complex32], size: usize) -> Vec<Complex32> {
     let mut data = samples[..samples.len().min(size)].to_vec();
     data.resize(size, Complex32::default());
-    forward.process(&mut data);
+    forward(size).process(&mut data);
     data
-}
-
-pub(super) fn multiply(out: &mut [Complex32], a: &[Complex32], b: &[Complex32]) {
-    for ((o, x), y) in out.iter_mut().zip(a).zip(b) {
-        *o = x * y;
-    }
-}
-
-/// Adds the power at `lags[i + drift]`, wrapped, to `row[i]`.
-pub(super) fn add_power(row: &mut [f32], lags: &[Complex32], drift: i64) {
-    let shift = drift.rem_euclid(lags.len() as i64) as usize;
-    let (head, tail) = row.split_at_mut(lags.len() - shift);
-    let add = |r: &mut [f32], l: &[Complex32]| {
-        r.iter_mut().zip(l).for_each(|(p, v)| *p += v.norm_sqr());
-    };
-    add(head, &lags[shift..]);
-    add(tail, &lags[..shift]);
 }
 
 /// Periods per FFT, odd, that need the fewest points for `blocks` periods.
