@@ -111,8 +111,8 @@ def test_process_while_it_searches(recording: Path, tmp_path: Path) -> None:
 
 def test_acquire(tmp_path: Path) -> None:
     """Ctrl-C during a search: exit 130, a message, no output."""
-    # Wide enough to last several seconds, in short steps.
-    slow = ["--acquisition-doppler-max-hz", "30000"]
+    # Wide and long enough to last several seconds, in short steps.
+    slow = ["--acquisition-doppler-max-hz", "100000", "--acquisition-blocks-short", "90"]
     command = [SCRIPT, "acquire", REAL, "--signals", "L1CA", *slow, "-o", tmp_path / "out"]
     process = subprocess.Popen(
         [*map(str, command), "--progress"],

@@ -108,6 +108,28 @@ def test_progress_reaches_the_end(dual):
     assert len(calls) > 8
 
 
+def test_a_receiver_clock_25_ppm_off_costs_nothing(tmp_path):
+    """40 kHz of Doppler move B1C's code by a quarter of a chip in one code period.
+
+    Uncorrected, that is an error of an eighth of a chip.
+    """
+    emitters = [
+        _core.Emitter("B1I", 30, 44, delay_s=0.0802, doppler_hz=40e3 * B1I_HZ / B1C_HZ),
+        _core.Emitter("B1CP", 30, 44, delay_s=0.0802, doppler_hz=40e3),
+    ]
+    source = recording(tmp_path, emitters, rate=24e6, lo=1568.259e6, length_s=0.07)
+    for handover in (True, False):
+        config = AcquisitionConfig(doppler_max_hz=50e3, handover=handover)
+        hits = found(acquire(source, config, signals=["B1I", "B1CP"], prns=[30, 31], threads=2))
+        assert hits.keys() == {("B1I", 30), ("B1CP", 30)}
+        for e in emitters:
+            a = hits[e.signal, e.prn]
+            limit = {"B1I": 0.1, "B1CP": 0.05}[e.signal]
+            assert abs(code_error_chips(a, e, 24e6)) < limit
+            assert abs(a.doppler_hz - e.doppler_hz(np.zeros(1))[0]) < 0.15 * a.doppler_bin_hz
+            assert abs(a.cn0_dbhz - 44) < 1.0
+
+
 @pytest.mark.parametrize(("format", "rate"), [("r2", 16e6), ("ri16", 16.3676e6), ("cf32", 5e6)])
 def test_other_formats_and_rates(tmp_path, format, rate):
     lo = B1C_HZ - (0.0 if format.startswith("c") else 4.1e6)
