@@ -19,7 +19,7 @@ RUST_SOURCES := Cargo.toml Cargo.lock $(shell find rust -name '*.rs' -o -name Ca
 
 step = @printf '\n== %s ==\n' '$(1)'
 
-.PHONY: demo test bench bench-check bench-update check clean setup lock
+.PHONY: demo test fuzz bench bench-check bench-update check clean setup lock
 
 demo: setup
 	$(BIN)/sdr-spoof demo --output $(OUT) --force
@@ -29,6 +29,11 @@ test: check
 	cargo test --locked --package sdr_spoof_core
 	$(call step,pytest)
 	$(BIN)/pytest
+
+# Random operations on the correlator engine and the tracker, a minute of each unless told
+# otherwise; what fails says its seed: make fuzz FUZZ_SECONDS=600 FUZZ_SEED=1234
+fuzz:
+	cargo test --locked --package sdr_spoof_core --test engine fuzz::long -- --ignored --nocapture
 
 check: setup
 	$(call step,cargo fmt)

@@ -49,12 +49,17 @@ impl Input {
     }
 
     pub(super) fn check(&self) -> Result<()> {
-        if self.start <= LATEST_START {
+        let Input {
+            sample_rate_hz,
+            lo_hz,
+            start,
+            ..
+        } = *self;
+        if (lo_hz / sample_rate_hz).is_finite() && start <= LATEST_START {
             return Ok(());
         }
         Err(Error::Invalid(format!(
-            "sample {} is too far in the future",
-            self.start
+            "{sample_rate_hz} samples per second around {lo_hz} Hz from sample {start} on cannot be"
         )))
     }
 }

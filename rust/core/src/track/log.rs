@@ -19,7 +19,7 @@ pub enum State {
 }
 
 /// Rows of one signal. Times and phases are at the middle of the integration.
-#[derive(Debug, Default, Clone)]
+#[derive(Debug, Default, Clone, PartialEq)]
 pub struct SignalRows {
     /// Seconds since the first sample of the recording.
     pub time_s: Vec<f64>,
@@ -55,7 +55,7 @@ impl SignalRows {
 }
 
 /// Rows of a satellite's pair of sidebands.
-#[derive(Debug, Default, Clone)]
+#[derive(Debug, Default, Clone, PartialEq)]
 pub struct ComboRows {
     /// Seconds since the first sample of the recording (upper sideband's).
     pub time_s: Vec<f64>,

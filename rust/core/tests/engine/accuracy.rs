@@ -114,7 +114,10 @@ fn setting(kind: usize, n: usize, rate: f64, offset: usize) -> Setting {
         lead: 400.37 + 0.1 * n as f64,
         index: n,
         taps: taps.to_vec(),
-        outer: taps.iter().map(|t| t.abs() > OUTER && n % 3 == 0).collect(),
+        outer: taps
+            .iter()
+            .map(|t| t.abs() > OUTER && n.is_multiple_of(3))
+            .collect(),
         slices: if rate > 50e6 { 1 } else { 3 },
     }
 }

@@ -10,6 +10,8 @@ mod properties;
 mod reference;
 mod scenario;
 mod setting;
+mod sky;
+mod tracker;
 
 use proptest::prelude::ProptestConfig;
 use proptest::test_runner::RngSeed;

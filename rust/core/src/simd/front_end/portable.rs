@@ -27,7 +27,12 @@ pub(super) fn absorb_inline(blocks: &Blocks<'_>, cells: &mut [Sum], total: &mut 
     let mut planes = planes(cells, blocks.geometry.stride, blocks.row);
     for block in 0..blocks.count() {
         let start = oscillator.start();
-        let oscillator_cells = || (0..BLOCK).map(|k| blocks.oscillator.cell(start, k));
+        // By itself, this loop is vectorised.
+        let mut phases = [0u8; BLOCK];
+        for (phase, &place) in phases.iter_mut().zip(&blocks.oscillator.places) {
+            *phase = (start.wrapping_add(place) >> 8) as u8;
+        }
+        let oscillator_cells = || phases.iter().map(|&phase| usize::from(phase) % CELLS);
         let row = block * ROWS;
         let values = block * BLOCK * width..(block + 1) * BLOCK * width;
         let mut sum = total.sum();
