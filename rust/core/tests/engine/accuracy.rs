@@ -1,5 +1,5 @@
 //! Loss and phase against the double-precision reference on the same samples. Every test prints
-//! its table: `cargo test --test correlator accuracy -- --nocapture`.
+//! its table: `cargo test --test engine accuracy -- --nocapture`.
 
 use sdr_spoof_core::simd::Level;
 use sdr_spoof_core::C64;
