@@ -23,15 +23,22 @@ pub struct ReferenceReplica {
 impl ReferenceReplica {
     /// The baseband replica at a (fractional) sample: the sum of the modulation's layers.
     fn value(&self, sample: f64) -> C64 {
-        let chips = (sample - self.start) / self.samples_per_chip;
-        let whole = chips.floor();
-        let chip = f64::from(self.code[(whole as i64).rem_euclid(self.code.len() as i64) as usize]);
-        self.modulation
-            .layers()
-            .iter()
+        let layers = self.modulation.layers().iter();
+        layers
             .map(|layer| {
-                let sub = ((chips - whole) * layer.subchips as f64) as usize;
-                C64::new(layer.re, layer.im) * if sub.is_multiple_of(2) { chip } else { -chip }
+                let per_chip = layer.subchips as i64;
+                // One division, so that a sample on an edge is on it.
+                let samples = (sample - self.start) * per_chip as f64;
+                let subchip = (samples / self.samples_per_chip).floor() as i64;
+                let chip = subchip
+                    .div_euclid(per_chip)
+                    .rem_euclid(self.code.len() as i64);
+                let sign = if subchip.rem_euclid(per_chip) % 2 == 0 {
+                    1.0
+                } else {
+                    -1.0
+                };
+                C64::new(layer.re, layer.im) * sign * f64::from(self.code[chip as usize])
             })
             .sum()
     }

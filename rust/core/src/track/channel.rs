@@ -31,22 +31,24 @@ pub struct Channel {
     settled_s: f64,
     config: TrackConfig,
     sample_rate_hz: f64,
-    /// Latest tap of any sideband, samples.
-    latest: u64,
 }
 
 impl Channel {
     /// A satellite with one sideband, or two that may be coupled, the lower carrier first.
     pub fn new(
         prn: u16,
-        sidebands: Vec<Sideband>,
+        mut sidebands: Vec<Sideband>,
         config: &TrackConfig,
         sample_rate_hz: f64,
     ) -> Self {
-        let offsets = sidebands.iter().flat_map(|s| &s.taps.offsets);
+        // Those that are steered together are integrated alike: 20 ms of one are 10 ms if that is
+        // a symbol of the other.
+        let shortest = sidebands.iter().map(Sideband::synced_length).min();
+        for sideband in &mut sidebands {
+            sideband.config.integration_ms = shortest.unwrap_or(config.integration_ms);
+        }
         Channel {
             prn,
-            latest: offsets.copied().max().unwrap_or(0).max(0) as u64,
             pending: sidebands.iter().map(|_| None).collect(),
             sidebands,
             apart: [None, None],
@@ -66,15 +68,15 @@ impl Channel {
                     *pending = sideband.advance(&bands[sideband.band]);
                 }
             }
-            if !self.close(bands) {
+            if !self.close() {
                 return;
             }
         }
     }
 
     /// Closes one integration, or two that belong together; false if all wait for data.
-    fn close(&mut self, bands: &[Band]) -> bool {
-        if self.pairs() && self.sidebands[0].length == self.sidebands[1].length {
+    fn close(&mut self) -> bool {
+        if self.pairs() {
             match &self.pending[..] {
                 [Some(lower), Some(upper)] if self.within(WAIT_S, lower, upper.first) => {
                     let (lower, upper) = (lower.clone(), upper.clone());
@@ -94,14 +96,9 @@ impl Channel {
         let earliest = (0..self.pending.len())
             .filter_map(|i| self.pending[i].as_ref().map(|e| (e.end(), i)))
             .min();
-        let Some((end, i)) = earliest else {
+        let Some((_, i)) = earliest else {
             return false;
         };
-        // Were one of the other to end before this, it would have come by now: the order of
-        // integrations does not depend on how samples come.
-        if bands[self.sidebands[i].band].end() < end + self.latest {
-            return false;
-        }
         self.part();
         if let Some(epoch) = self.pending[i].take() {
             if self.pairs() {

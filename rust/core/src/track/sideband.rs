@@ -229,7 +229,7 @@ impl Sideband {
     }
 
     /// Longest integration that stays within a symbol once all is known, slices.
-    fn synced_length(&self) -> usize {
+    pub(super) fn synced_length(&self) -> usize {
         let symbol = self.symbol.unwrap_or(self.overlay.len()) * self.period();
         (1..=self.config.integration_ms)
             .rev()

@@ -196,3 +196,61 @@ fn saturated_samples_wrap_the_sums() {
         }
     }
 }
+
+/// A channel that is attached later than it begins, and after the oscillator was retuned, before
+/// that or after, gives what it would have given had it been there.
+#[test]
+fn a_channel_may_come_after_a_retuning() {
+    let bytes = bytes(100_000);
+    for (taps, retuned) in [
+        ([0, -8], -700),
+        ([0, -8], 0),
+        ([0, 300], 900),
+        ([5, 0], 1400),
+    ] {
+        let plan = Plan {
+            kind: 1,
+            band: 0,
+            taps: taps.to_vec(),
+            outer: vec![false; 2],
+            index: 0,
+            start: 0.0,
+            carrier: 2e-4,
+            samples_per_chip: 11.3,
+            steps: Vec::new(),
+        };
+        let play = |late: bool| {
+            let mut plan = plan.clone();
+            // Of the groups of four samples that are fed.
+            let (begin, retuning, end) = (2000, (8000 + retuned) as usize / 4, 2500);
+            plan.start = 4.0
+                * if late {
+                    begin as f64 - end as f64
+                } else {
+                    begin as f64
+                };
+            let attach = Op::Attach(plan);
+            let mut ops = vec![
+                Op::Feed(retuning),
+                Op::Retune(0, 1e-3),
+                Op::Feed(end - retuning),
+            ];
+            ops.insert(if late { 3 } else { 0 }, attach);
+            ops.push(Op::Feed(20_000));
+            let scenario = Scenario {
+                format: FORMATS[0],
+                origin: 0,
+                frequencies: vec![0.13],
+                reach: 3000,
+                ops,
+            };
+            scenario.play(&bytes, usize::MAX / 64, Level::best())
+        };
+        let early = play(false);
+        assert!(early[0].len() > 3);
+        assert!(
+            play(true) == early,
+            "retuned {retuned} samples after the start"
+        );
+    }
+}

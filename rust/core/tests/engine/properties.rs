@@ -30,9 +30,15 @@ fn format() -> impl Strategy<Value = Format> {
     prop::sample::select(&FORMATS[..9])
 }
 
+/// Any number in a range, or one that puts edges on samples exactly (with sub-chips of 1/24).
+fn position(most: f64) -> impl Strategy<Value = f64> {
+    let whole = 1..(most / 3.0) as u32;
+    prop_oneof![2 => 3.0..most, 1 => whole.prop_map(|n| 3.0 * f64::from(n))]
+}
+
 prop_compose! {
     /// Carrier in cycles per sample for up to 50 kHz, and samples per chip.
-    fn rates(kind: usize)(hz in -50e3..50e3, samples_per_chip in 3.0..30.0) -> (f64, f64) {
+    fn rates(kind: usize)(hz in -50e3..50e3, samples_per_chip in position(30.0)) -> (f64, f64) {
         (hz * 1e-3 / (KINDS[kind].chips() * samples_per_chip), samples_per_chip)
     }
 }
@@ -49,7 +55,7 @@ prop_compose! {
     fn plan(kind: usize)(
         taps in prop::collection::vec((-60..60i64, any::<bool>()), 0..6),
         index in 0..30usize,
-        start in 0.0..900.0,
+        start in position(900.0),
         (carrier, samples_per_chip) in rates(kind),
         steps in prop::collection::vec(step(kind), 1..3),
     ) -> Plan {
@@ -71,7 +77,7 @@ fn scenario() -> impl Strategy<Value = Scenario> {
 }
 
 proptest! {
-    #![proptest_config(crate::config(40))]
+    #![proptest_config(crate::config(64))]
 
     /// Noise in, so nothing but agreement at every chip edge, at the carrier and code phase that
     /// the channel says it has, makes the two agree. The rest is noise of the known size; 6 sigma

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use sdr_spoof_core::dsp::correlator::{Correlator, Slice};
 use sdr_spoof_core::dsp::engine::{ChannelId, Engine};
+use sdr_spoof_core::nco;
 use sdr_spoof_core::simd::Level;
 
 use crate::format::Format;
@@ -104,7 +105,7 @@ impl Player {
         assert_eq!(slice.index, self.begun.index % periods);
         assert_eq!(channel.base(), slice.start + slice.samples);
         let begun = self.begun;
-        let mut carrier = begun.carrier;
+        let (mut carrier, mut turned) = (begun.carrier, 0.0);
         let steps = &self.plan.steps;
         match steps.get(self.closed.len() % steps.len().max(1)) {
             Some(&Step::Rates(frequency, samples_per_chip)) => {
@@ -112,12 +113,24 @@ impl Player {
                 carrier = frequency;
             }
             Some(&Step::Code(samples)) => channel.shift_code(samples),
-            Some(&Step::Carrier(cycles)) => channel.shift_carrier(cycles),
+            Some(&Step::Carrier(cycles)) => {
+                channel.shift_carrier(cycles);
+                turned = cycles;
+            }
             Some(Step::Keep) | None => {}
         }
         let slice = slice.clone();
         self.closed.push(Closed { begun, slice });
         self.begun = Begun::of(channel, begun.index + 1, carrier);
+        // The carrier goes on, wherever the replica is moved.
+        let frequency = nco::frequency_from_step(nco::step_from_frequency(begun.carrier));
+        let samples = self.begun.base as f64 - begun.base as f64;
+        let expected = begun.carrier_cycles + frequency * samples + turned;
+        let miss = (self.begun.carrier_cycles - expected).abs();
+        assert!(
+            miss < 1e-6 + 1e-9 * expected.abs(),
+            "a carrier off by {miss} cycles"
+        );
     }
 
     /// Nothing that could be had is still to come.
