@@ -32,11 +32,8 @@ pub(super) fn absorb_inline(blocks: &Blocks<'_>, cells: &mut [Sum], total: &mut 
         for (phase, &place) in phases.iter_mut().zip(&blocks.oscillator.places) {
             *phase = (start.wrapping_add(place) >> 8) as u8;
         }
-        let mut rows = planes.each_mut().map(|plane| {
-            let (rows, rest) = std::mem::take(plane).split_first_chunk_mut().unwrap();
-            *plane = rest;
-            rows
-        });
+        let mut each = planes.iter_mut();
+        let mut rows = std::array::from_fn(|_| &mut each.next().unwrap()[block]);
         let values = block * BLOCK * width..(block + 1) * BLOCK * width;
         let sum = total.sum();
         match blocks.samples {
@@ -44,11 +41,11 @@ pub(super) fn absorb_inline(blocks: &Blocks<'_>, cells: &mut [Sum], total: &mut 
                 let [of_i, of_q] = words(layout);
                 let bytes = &bytes[values];
                 let sum = if layout.complex {
-                    add_words(bytes, &phases, &mut rows, sum, |[i, q], phase| {
+                    add_words(bytes, &phases, &mut rows, sum, |&[i, q], phase| {
                         times(i, of_i[phase]).wrapping_add(times(q, of_q[phase]))
                     })
                 } else {
-                    add_words(bytes, &phases, &mut rows, sum, |[x], phase| {
+                    add_words(bytes, &phases, &mut rows, sum, |&[x], phase| {
                         times(x, of_i[phase])
                     })
                 };
@@ -71,14 +68,13 @@ pub(super) fn absorb_inline(blocks: &Blocks<'_>, cells: &mut [Sum], total: &mut 
 /// A block's rows of each plane.
 type Rows<'a> = [&'a mut [Sum; ROWS]; LANES];
 
-/// The planes from a row on.
+/// The planes by blocks, from a row on.
 #[inline(always)]
-fn planes(cells: &mut [Sum], stride: usize, row: usize) -> [&mut [Sum]; LANES] {
-    let mut rest = cells;
+fn planes(cells: &mut [Sum], stride: usize, row: usize) -> [&mut [[Sum; ROWS]]; LANES] {
+    let mut planes = cells.chunks_exact_mut(stride);
     std::array::from_fn(|_| {
-        let (plane, after) = std::mem::take(&mut rest).split_at_mut(stride);
-        rest = after;
-        &mut plane[row..]
+        let plane = planes.next().map(|plane| &mut plane[row..]);
+        plane.unwrap_or_default().as_chunks_mut().0
     })
 }
 
@@ -117,7 +113,7 @@ fn add_words<const WIDTH: usize>(
     phases: &[u8; BLOCK],
     rows: &mut Rows<'_>,
     sum: Sum,
-    product: impl Fn([u8; WIDTH], usize) -> u64,
+    product: impl Fn(&[u8; WIDTH], usize) -> u64,
 ) -> Sum {
     let mut total = (u64::from(sum[1] as u32) << 32) | u64::from(sum[0] as u32);
     let halves = |word: u64| [word as i32, (word >> 32) as i32];
@@ -126,7 +122,7 @@ fn add_words<const WIDTH: usize>(
         for lane in 0..LANES {
             rows[lane][row] = halves(total);
             let k = LANES * row + lane;
-            total = total.wrapping_add(product(samples[k], usize::from(phases[k])));
+            total = total.wrapping_add(product(&samples[k], usize::from(phases[k])));
         }
     }
     halves(total)
@@ -141,9 +137,10 @@ fn add_mixed(
     rows: &mut Rows<'_>,
     total: &mut Total,
 ) {
+    let waves = &*WAVE;
     let mut mixed = [[0i32; 2]; BLOCK];
     for (k, (m, &phase)) in mixed.iter_mut().zip(phases).enumerate() {
-        *m = samples.mixed(k, layout, WAVE[usize::from(phase) % CELLS]);
+        *m = samples.mixed(k, layout, waves[usize::from(phase) % CELLS]);
     }
     for (row, eight) in mixed.as_chunks::<LANES>().0.iter().enumerate() {
         for (plane, m) in rows.iter_mut().zip(eight) {
