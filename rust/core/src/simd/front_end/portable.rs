@@ -119,8 +119,8 @@ fn add_words<const WIDTH: usize>(
     let halves = |word: u64| [word as i32, (word >> 32) as i32];
     let samples: &[[u8; WIDTH]; BLOCK] = bytes.as_chunks().0.first_chunk().unwrap();
     for row in 0..ROWS {
-        for lane in 0..LANES {
-            rows[lane][row] = halves(total);
+        for (lane, plane) in rows.iter_mut().enumerate() {
+            plane[row] = halves(total);
             let k = LANES * row + lane;
             total = total.wrapping_add(product(&samples[k], usize::from(phases[k])));
         }
