@@ -64,6 +64,7 @@ impl Block {
 /// A number for each place in a block, aligned for vector units.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 pub(crate) struct Places(pub(crate) [i8; BLOCK]);
 
 /// An oscillator of constant frequency.
@@ -77,10 +78,12 @@ pub(crate) struct Oscillator {
     /// 15-bit phase of each place in a block.
     pub(crate) places: [u16; BLOCK],
     /// What these have beyond whole cells, less half a cell so that it is a signed byte.
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
     pub(crate) fractions: Places,
     /// For processors that cannot look up 128 cells at once: cos at each place of a block, for
     /// each cell that its first sample may have. Where the fractions of block and place make up a
     /// cell, the next row holds.
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
     pub(crate) waves: Box<[Places; CELLS]>,
 }
 
