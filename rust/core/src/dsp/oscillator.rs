@@ -61,6 +61,12 @@ impl Block {
     }
 }
 
+/// A number for each place in a block, aligned for vector units.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+pub(crate) struct Places(pub(crate) [i8; BLOCK]);
+
 /// An oscillator of constant frequency.
 #[derive(Debug, Clone)]
 pub(crate) struct Oscillator {
@@ -71,16 +77,30 @@ pub(crate) struct Oscillator {
     phase: u64,
     /// 15-bit phase of each place in a block.
     pub(crate) places: [u16; BLOCK],
+    /// What these have beyond whole cells, less half a cell so that it is a signed byte.
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+    pub(crate) fractions: Places,
+    /// For processors that cannot look up 128 cells at once: cos at each place of a block, for
+    /// each cell that its first sample may have. Where the fractions of block and place make up a
+    /// cell, the next row holds.
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+    pub(crate) waves: Box<[Places; CELLS]>,
 }
 
 impl Oscillator {
     /// An oscillator with the given phase (2^-64 cycles) at sample `origin`.
     pub(crate) fn new(step: u64, origin: u64, phase: u64) -> Self {
+        let places = std::array::from_fn(|k| (step.wrapping_mul(k as u64) >> 49) as u16);
+        let cells = places.map(|place| usize::from(place >> 8));
+        let cosine = &*COSINE;
+        let wave = |first| Places(cells.map(|cell| cosine[(first + cell) % CELLS]));
         Oscillator {
             step,
             origin,
             phase,
-            places: std::array::from_fn(|k| (step.wrapping_mul(k as u64) >> 49) as u16),
+            places,
+            fractions: Places(places.map(|place| (place as u8 ^ 0x80) as i8)),
+            waves: Box::new(std::array::from_fn(wave)),
         }
     }
 
@@ -103,5 +123,24 @@ impl Oscillator {
     #[inline(always)]
     pub(crate) fn cell(&self, block: u16, place: usize) -> usize {
         (block.wrapping_add(self.places[place]) >> 8) as usize & (CELLS - 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_of_waves_and_fractions_are_cells() {
+        let oscillator = Oscillator::new(0x3123_4567_89ab_cdef, 0, 0);
+        for start in 0..=u16::MAX {
+            let most = (!start as u8 ^ 0x80) as i8;
+            for place in 0..BLOCK {
+                let carry = usize::from(oscillator.fractions.0[place] > most);
+                let row = (usize::from(start >> 8) + carry) % CELLS;
+                let cell = oscillator.cell(start, place);
+                assert_eq!(oscillator.waves[row].0[place], COSINE[cell]);
+            }
+        }
     }
 }

@@ -32,64 +32,66 @@ pub(super) fn absorb_inline(blocks: &Blocks<'_>, cells: &mut [Sum], total: &mut 
         for (phase, &place) in phases.iter_mut().zip(&blocks.oscillator.places) {
             *phase = (start.wrapping_add(place) >> 8) as u8;
         }
-        let oscillator_cells = || phases.iter().map(|&phase| usize::from(phase) % CELLS);
-        let row = block * ROWS;
+        let mut each = planes.iter_mut();
+        let mut rows = std::array::from_fn(|_| &mut each.next().unwrap()[block]);
         let values = block * BLOCK * width..(block + 1) * BLOCK * width;
-        let mut sum = total.sum();
+        let sum = total.sum();
         match blocks.samples {
             Samples::Int8(bytes) if (MARGIN..u32::MAX - MARGIN).contains(&(sum[0] as u32)) => {
+                let [of_i, of_q] = words(layout);
                 let bytes = &bytes[values];
-                if layout.complex {
-                    let [of_i, of_q] = words(layout);
-                    let pairs = bytes.chunks_exact(2).zip(oscillator_cells());
-                    let product = |(v, cell): (&[u8], usize)| {
-                        times(v[0], of_i[cell]).wrapping_add(times(v[1], of_q[cell]))
-                    };
-                    add_words(pairs.map(product), &mut planes, row, &mut sum);
+                let sum = if layout.complex {
+                    add_words(bytes, &phases, &mut rows, sum, |&[i, q], phase| {
+                        times(i, of_i[phase]).wrapping_add(times(q, of_q[phase]))
+                    })
                 } else {
-                    let [table, _] = words(layout);
-                    let values = bytes.iter().zip(oscillator_cells());
-                    let product = |(&v, cell): (&u8, usize)| times(v, table[cell]);
-                    add_words(values.map(product), &mut planes, row, &mut sum);
-                }
+                    add_words(bytes, &phases, &mut rows, sum, |&[x], phase| {
+                        times(x, of_i[phase])
+                    })
+                };
                 *total = sum.into();
             }
             // One loop for each kind of sample, so that nothing is decided inside.
             Samples::Int8(bytes) => {
                 let samples = Samples::Int8(&bytes[values]);
-                add_mixed(samples, layout, oscillator_cells(), &mut planes, row, total);
+                add_mixed(samples, layout, &phases, &mut rows, total);
             }
             Samples::Int16(words) => {
                 let samples = Samples::Int16(&words[values]);
-                add_mixed(samples, layout, oscillator_cells(), &mut planes, row, total);
+                add_mixed(samples, layout, &phases, &mut rows, total);
             }
         }
         oscillator = oscillator.next();
     }
 }
 
-/// The planes from a row on.
+/// A block's rows of each plane.
+type Rows<'a> = [&'a mut [Sum; ROWS]; LANES];
+
+/// The planes by blocks, from a row on.
 #[inline(always)]
-fn planes(cells: &mut [Sum], stride: usize, row: usize) -> [&mut [Sum]; LANES] {
-    let mut rest = cells;
+fn planes(cells: &mut [Sum], stride: usize, row: usize) -> [&mut [[Sum; ROWS]]; LANES] {
+    let mut planes = cells.chunks_exact_mut(stride);
     std::array::from_fn(|_| {
-        let (plane, after) = std::mem::take(&mut rest).split_at_mut(stride);
-        rest = after;
-        &mut plane[row..]
+        let plane = planes.next().map(|plane| &mut plane[row..]);
+        plane.unwrap_or_default().as_chunks_mut().0
     })
 }
 
-/// (Q << 32) + I: what I and Q of a sample are multiplied with, for each cell.
-fn words(layout: Layout) -> &'static [[u64; CELLS]; 2] {
-    static WORDS: LazyLock<[[[u64; CELLS]; 2]; 2]> = LazyLock::new(|| {
+/// Bytes of a phase: its cell, and a bit above it that has no meaning.
+const PHASES: usize = 2 * CELLS;
+
+/// (Q << 32) + I: what I and Q of a sample are multiplied with, for each byte of phase.
+fn words(layout: Layout) -> &'static [[u64; PHASES]; 2] {
+    static WORDS: LazyLock<[[[u64; PHASES]; 2]; 2]> = LazyLock::new(|| {
         [false, true].map(|conjugate| {
             let layout = Layout {
                 complex: true,
                 conjugate,
             };
             [(1, 0), (0, 1)].map(|(i, q)| {
-                WAVE.map(|wave| {
-                    let [re, im] = layout.mix(i, q, wave);
+                std::array::from_fn(|phase| {
+                    let [re, im] = layout.mix(i, q, WAVE[phase % CELLS]);
                     ((im as u64) << 32).wrapping_add(re as u64)
                 })
             })
@@ -103,23 +105,27 @@ fn times(value: u8, word: u64) -> u64 {
     (i64::from(value as i8) as u64).wrapping_mul(word)
 }
 
-/// Sums products that are words; I of the sum must be a margin away from wrapping.
+/// Sums the products of a block's samples, which are words; I of the sum must be a margin away
+/// from wrapping.
 #[inline(always)]
-fn add_words(
-    mut products: impl Iterator<Item = u64>,
-    planes: &mut [&mut [Sum]; LANES],
-    row: usize,
-    sum: &mut Sum,
-) {
+fn add_words<const WIDTH: usize>(
+    bytes: &[u8],
+    phases: &[u8; BLOCK],
+    rows: &mut Rows<'_>,
+    sum: Sum,
+    product: impl Fn(&[u8; WIDTH], usize) -> u64,
+) -> Sum {
     let mut total = (u64::from(sum[1] as u32) << 32) | u64::from(sum[0] as u32);
     let halves = |word: u64| [word as i32, (word >> 32) as i32];
-    for row in row..row + ROWS {
-        for plane in planes.iter_mut() {
+    let samples: &[[u8; WIDTH]; BLOCK] = bytes.as_chunks().0.first_chunk().unwrap();
+    for row in 0..ROWS {
+        for (lane, plane) in rows.iter_mut().enumerate() {
             plane[row] = halves(total);
-            total = total.wrapping_add(products.next().unwrap_or(0));
+            let k = LANES * row + lane;
+            total = total.wrapping_add(product(&samples[k], usize::from(phases[k])));
         }
     }
-    *sum = halves(total);
+    halves(total)
 }
 
 /// Sums products part by part.
@@ -127,18 +133,18 @@ fn add_words(
 fn add_mixed(
     samples: Samples<'_>,
     layout: Layout,
-    cells: impl Iterator<Item = usize>,
-    planes: &mut [&mut [Sum]; LANES],
-    row: usize,
+    phases: &[u8; BLOCK],
+    rows: &mut Rows<'_>,
     total: &mut Total,
 ) {
+    let waves = &*WAVE;
     let mut mixed = [[0i32; 2]; BLOCK];
-    for (k, (m, cell)) in mixed.iter_mut().zip(cells).enumerate() {
-        *m = samples.mixed(k, layout, WAVE[cell]);
+    for (k, (m, &phase)) in mixed.iter_mut().zip(phases).enumerate() {
+        *m = samples.mixed(k, layout, waves[usize::from(phase) % CELLS]);
     }
-    for (r, eight) in mixed.chunks_exact(LANES).enumerate() {
-        for (plane, m) in planes.iter_mut().zip(eight) {
-            plane[row + r] = total.sum();
+    for (row, eight) in mixed.as_chunks::<LANES>().0.iter().enumerate() {
+        for (plane, m) in rows.iter_mut().zip(eight) {
+            plane[row] = total.sum();
             total.add(*m);
         }
     }
