@@ -143,6 +143,8 @@ class SignalTrack(Track):
     cn0_dbhz: NDArray[np.float64]
     phase_lock: NDArray[np.float64]
     """Mean of cos(2 phase error): 1 locked, 0 not."""
+    noise_power: NDArray[np.float64]
+    """Noise power per sample as the noise tap sees it, running mean, input units squared."""
     taps: NDArray[np.complex64]
     """Correlator outputs over the epoch, secondary code wiped where known, shape (N, taps)."""
     data_prompt: NDArray[np.complex64]

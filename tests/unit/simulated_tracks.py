@@ -129,6 +129,7 @@ def sideband(combo: ComboTrack, signal: str, *, seed=2) -> SignalTrack:
         code_error_chips=np.zeros(time.size),
         cn0_dbhz=cn0,
         phase_lock=np.full(time.size, 0.98),
+        noise_power=np.full(time.size, 256.0),
         taps=taps.astype(np.complex64),
         data_prompt=np.zeros(time.size, np.complex64),
     )

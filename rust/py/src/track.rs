@@ -160,6 +160,7 @@ fn signal_rows<'py>(py: Python<'py>, prn: u16, s: &mut Sideband) -> PyResult<Bou
         code_error_chips,
         cn0_dbhz,
         phase_lock,
+        noise_power,
         data_prompt
     );
     Ok(d)

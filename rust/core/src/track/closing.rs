@@ -230,6 +230,8 @@ impl Sideband {
         rows.code_error_chips.push(measured.code_error_chips);
         rows.cn0_dbhz.push(self.cn0.dbhz());
         rows.phase_lock.push(self.lock.phase());
+        rows.noise_power
+            .push(self.cn0.noise_power(1.0 / self.sample_rate_hz));
         let rounded = |t: &C64| Complex::new(t.re as f32, t.im as f32);
         rows.data_prompt.push(rounded(&epoch.companion));
         rows.taps.extend(epoch.taps.iter().map(rounded));

@@ -41,6 +41,8 @@ pub struct SignalRows {
     pub cn0_dbhz: Vec<f64>,
     /// Phase-lock indicator.
     pub phase_lock: Vec<f64>,
+    /// Noise power per sample as the noise tap sees it, input units squared.
+    pub noise_power: Vec<f64>,
     /// Correlator outputs, row after row.
     pub taps: Vec<Complex<f32>>,
     /// Prompt of the data component beside its pilot; 0 where it is not received.
