@@ -27,4 +27,14 @@ def builtin_scenario(name: str) -> Scenario:
     Raises:
         ConfigError: there is none of this name.
     """
-    return load_scenario(_DATA / f"{name}.toml")
+    return load_scenario(scenario_path(name))
+
+
+def scenario_names() -> list[str]:
+    """Names of the scenarios that come with the package."""
+    return sorted(path.stem for path in _DATA.glob("*.toml"))
+
+
+def scenario_path(name: str) -> Path:
+    """File of a scenario that comes with the package."""
+    return _DATA / f"{name}.toml"
