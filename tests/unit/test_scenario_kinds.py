@@ -229,6 +229,24 @@ def test_all_satellites_have_multipath_unless_named() -> None:
 TIMES = re.compile(r"(?<!_m)_s$")
 
 
+DOCUMENT = Path(__file__).parents[2] / "docs" / "scenarios.md"
+
+
+@pytest.mark.parametrize(
+    ("model", "heading"),
+    [
+        (InducedAttack, "### `induced`"),
+        (Meaconing, "### `meaconing`"),
+        (Asynchronous, "### `asynchronous`"),
+        (Ray, "### `multipath`"),
+    ],
+)
+def test_every_key_is_documented(model: type[BaseModel], heading: str) -> None:
+    section = DOCUMENT.read_text().split(heading)[1].split("\n#")[0]
+    for key in model.model_fields.keys() - {"kind", "prns", "system", "signals"}:
+        assert f"`{key}`" in section, key
+
+
 @pytest.mark.parametrize(
     "model", [InducedAttack, Meaconing, Asynchronous, Multipath, Ray, RecordingPlan, Satellite]
 )
