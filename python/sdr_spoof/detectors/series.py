@@ -40,6 +40,13 @@ class StatisticSeries:
     """Piece of tracking of each trace row, -1 where the row is not used, shape (M,)."""
     notes: tuple[str, ...]
     """In words: what limited the support, what was repaired."""
+    signal: str | None = None
+    """The one signal that it is of; None where it compares signals."""
+    quantity: str = ""
+    """What is measured, in words, where a detector has several series for one signal."""
+    share: float = 1.0
+    """Part of the detector's false-alarm probability that this series may use: the shares of all
+    its series for one satellite add up to at most 1."""
 
     def covers(self, time_s: float) -> bool:
         """Whether one of its tests may have this time: the sections of a track do not overlap."""
@@ -55,8 +62,8 @@ class StatisticSeries:
         return total
 
     def threshold(self, pfa: float) -> NDArray[np.float64]:
-        """Two-sided threshold at a false-alarm probability per test, shape (N,)."""
-        return np.asarray(self.sigma * float(norm.isf(pfa / 2.0)))
+        """Two-sided threshold at a false-alarm probability per test of the detector, shape (N,)."""
+        return np.asarray(self.sigma * float(norm.isf(pfa * self.share / 2.0)))
 
     def log10_p(self, row: int) -> float:
         """log10 of the two-sided H0 probability of a row, clipped at LOG10_P_FLOOR."""
