@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from sdr_spoof.detectors import phase_difference_rate
+from sdr_spoof.detectors import phase_difference_glr, phase_difference_rate
 from sdr_spoof.detectors.config import DetectionConfig
 from sdr_spoof.detectors.series import StatisticSeries
 from sdr_spoof.errors import ConfigError
@@ -45,6 +45,15 @@ DETECTORS: dict[str, Detector] = {
             "which beats until lock is lost; drags slower than the threshold; satellites received "
             "in one band only",
             phase_difference_rate.statistics,
+        ),
+        Detector(
+            phase_difference_glr.NAME,
+            "Jump and slope of the carrier phase difference",
+            "whether the carriers of the satellite's two bands stay where they were, and together",
+            "a drag that moves the code but not the carrier; an attack on both bands that keeps "
+            "their carriers coherent; a capture that was complete before the recording began, or "
+            "during a loss of lock or the seconds after it; satellites received in one band only",
+            phase_difference_glr.statistics,
         ),
     )
 }
