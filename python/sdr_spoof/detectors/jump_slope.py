@@ -151,7 +151,7 @@ def deviates(
         return best
     level = values - values[0]
     sums = [np.concatenate(([0.0], np.cumsum(v))) for v in (level, spread)]
-    noise = noise_level(level, plan.group, plan.reference, plan.least_reference, first)
+    noise = noise_level(level, spread, plan.group, plan.reference, plan.least_reference, first)
     for window in plan.windows:
         if window > values.size - plan.least_reference:
             break
@@ -173,11 +173,10 @@ def _window(
     """log P and sign of every window of one length that has a reference, in order."""
     start = np.arange(plan.least_reference, level.size - window + 1)
     reference = np.minimum(start, plan.reference)
-    means, before = ((s[start] - s[start - reference]) / reference for s in sums)
-    now = (sums[1][start + window] - sums[1][start]) / window
-    variance, freedom = noise.before(start)
-    variance = variance * np.maximum(now / before, 1.0)
-    jump = sliding_mean(level, window)[start] - means
+    before = (sums[0][start] - sums[0][start - reference]) / reference
+    expected = (sums[1][start + window] - sums[1][start]) / window
+    variance, freedom = noise.before(start, expected)
+    jump = sliding_mean(level, window)[start] - before
     slope = sliding_slope(level, window, plan.step_s)[start]
     end_sign = np.sign(jump + slope * (0.5 * window * plan.step_s))
     lever_s = 0.5 * (window + reference) * plan.step_s

@@ -6,7 +6,7 @@ the groups matters. Law under white Gaussian noise: a group of g rows gives a ch
 g - 2 degrees of freedom; the median of k of them, freed from its bias, has for large k the relative
 variance 1 / (4 k (q f(q))^2), q the median of that law and f its density there (David and Nagaraja,
 *Order Statistics*, 2003, section 10.2). It is treated as a chi-square variable of the same relative
-variance, nu = 8 k (q f(q))^2 degrees of freedom: 5.1 of the 8 that a group of ten rows has.
+variance, nu = 8 k (q f(q))^2 degrees of freedom: 4.7 of the 8 that a group of ten rows has.
 """
 
 from __future__ import annotations
@@ -25,30 +25,45 @@ class NoiseLevel:
 
     variance: NDArray[np.float64]
     """From this group and those before it; NaN while too few, shape (groups,)."""
+    relative: NDArray[np.float64]
+    """The same of variances over what was expected, shape (groups,)."""
     freedom: NDArray[np.float64]
     """Degrees of freedom of that variance."""
     skip: int
     """Rows before the first group."""
     group: int
 
-    def before(self, row: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Variance and its degrees of freedom from whole groups before each row; NaN for none."""
+    def before(
+        self, row: NDArray[np.int64], spread: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Variance and its degrees of freedom from whole groups before each row; NaN for none.
+
+        Not below what the spread expected of the test itself makes of it: where C/N0 falls, noise
+        rises at once.
+        """
         last = (row - self.skip) // self.group - 1
         known = last >= 0
         last = np.where(known, last, 0)
-        return np.where(known, self.variance[last], np.nan), self.freedom[last]
+        variance = np.maximum(self.variance[last], self.relative[last] * spread)
+        return np.where(known, variance, np.nan), self.freedom[last]
 
 
 def noise_level(
-    values: NDArray[np.float64], group: int, longest: int, least: int, first: int = 0
+    values: NDArray[np.float64],
+    spread: NDArray[np.float64],
+    group: int,
+    longest: int,
+    least: int,
+    first: int = 0,
 ) -> NoiseLevel:
     """Trailing noise level of ``values`` over ``least`` to ``longest`` rows.
 
-    Groups begin at multiples of ``group`` of the track's rows, of which ``first`` is the number of
-    the first here.
+    ``spread`` is the variance that is expected of each row, up to a factor. Groups begin at
+    multiples of ``group`` of the track's rows, of which ``first`` is the number of the first here.
     """
     skip = -first % group
-    blocks = values[skip : skip + (values.size - skip) // group * group].reshape(-1, group)
+    inside = slice(skip, skip + (values.size - skip) // group * group)
+    blocks = values[inside].reshape(-1, group)
     line, _ = np.linalg.qr(np.vander(np.arange(group, dtype=np.float64), 2))
     centred = blocks - blocks[:, :1]
     residual = centred - (centred @ line) @ line.T
@@ -58,10 +73,11 @@ def noise_level(
     count = np.minimum(np.arange(each.size) + 1, most).astype(np.float64)
     law = chi2(group - 2)
     middle = float(law.median())
-    variance = _trailing_median(each, most) / middle
+    expected = spread[inside].reshape(-1, group).mean(axis=1)
+    variance, relative = (_trailing_median(v, most) / middle for v in (each, each / expected))
     variance[: fewest - 1] = np.nan
     freedom = np.maximum(8.0 * count * (middle * float(law.pdf(middle))) ** 2, 1.0)
-    return NoiseLevel(variance, freedom, skip, group)
+    return NoiseLevel(variance, relative, freedom, skip, group)
 
 
 def _trailing_median(values: NDArray[np.float64], most: int) -> NDArray[np.float64]:
