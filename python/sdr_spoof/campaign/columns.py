@@ -12,9 +12,8 @@ from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Literal
 
 from sdr_spoof.errors import ConfigError
-from sdr_spoof.signals import satellite_name
 
-from .levels import tracked_signals
+from .levels import subjects
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -28,11 +27,13 @@ Value = float | bool | str | None
 OF_SATELLITE: dict[str, Kind] = {
     "verdict": "text",
     "attack": "text",
+    "hostile": "flag",
     "attack_start_s": "number",
     "capture_s": "number",
     "drag_start_s": "number",
 }
-"""Verdict; then the truth: kind of attack (empty: none), on the air from, power passed at, drag."""
+"""Verdict; then the truth: kind of attack (empty: none), whether it is one or multipath, on the
+air from, power passed at, drag."""
 
 TRUTH = frozenset(OF_SATELLITE) - {"verdict"}
 """Kept whatever is asked for: nothing can be said of the rest without it."""
@@ -61,10 +62,9 @@ class Column:
 
 def columns_of(point: Point) -> Iterator[Column]:
     """What a run at a point yields."""
-    for satellite in point.scenario.satellite:
-        name = satellite_name(satellite.system, satellite.prn)
+    for name, signals in subjects(point.scenario).items():
         yield from _prefixed(name, OF_SATELLITE)
-        for signal in tracked_signals(satellite):
+        for signal in signals:
             yield from _prefixed(f"{name}.{signal}", OF_SIGNAL)
         for detector in point.detection.detectors:
             yield from _prefixed(f"{name}.{detector}", OF_DETECTOR)
