@@ -49,7 +49,7 @@ def test_axes_reach_tracking_detection_and_whole_attacks(tmp_path: Path) -> None
     assert dict(point.values)["pfa"] == 1e-3
     assert [dict(p.values)["attack"] for p in plan.points[:2]] == ["none", "drag"]
     assert plan.points[0].scenario.attack == ()
-    assert point.scenario.attack[0].prn == 19
+    assert point.scenario.attack[0].signals == ("B1I",)
 
 
 def test_a_scenario_is_a_file_or_a_built_in_one(tmp_path: Path) -> None:
