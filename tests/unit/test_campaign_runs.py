@@ -100,7 +100,7 @@ def test_only_some_columns_are_kept(tmp_path: Path) -> None:
     names = list(run_campaign(plan, tmp_path / "out", function=dice).table.columns)
     assert names[:6] == ["point", "run", "seed", "error", "drag_rate_m_s", "cn0_dbhz"]
     assert [n for n in names[6:] if n.startswith("C27")] == [
-        *("C27.attack", "C27.attack_start_s", "C27.capture_s", "C27.drag_start_s"),
+        *("C27.attack", "C27.hostile", "C27.attack_start_s", "C27.capture_s", "C27.drag_start_s"),
         "C27.phase_difference_rate.alarm_s",
     ]
 

@@ -36,12 +36,19 @@ _BAND = 0.13
 
 
 def detection_figure(path: Path, rows: Rows, axes_names: Sequence[str], title: str) -> bool:
-    """Draw Pd against the longest numeric axis, a panel per detector; False if there is none."""
-    rows = [row for row in rows if row["pd_trials"]]
+    """Draw Pd against the longest numeric axis, a panel per detector; False if there is none.
+
+    Without any attack it is the share of false alarms.
+    """
     along = longest_axis(rows, axes_names)
     if along is None:
         return False
     others = [name for name in axes_names if name != along]
+    if len({row["attack"] for row in rows if row["hostile"]}) > 1:
+        others.append("attack")
+    hostile = [row for row in rows if row["hostile"]]
+    what = "probability of detection" if hostile else "share of alarms"
+    rows = hostile or rows
     panels = _grouped(rows, lambda row: str(row["detector"]))
 
     def draw(axes: Axes, name: str) -> None:
@@ -51,14 +58,18 @@ def detection_figure(path: Path, rows: Rows, axes_names: Sequence[str], title: s
         more = len(lines) - MOST_LINES
         axes.set_title(_words(name) + (f" ({more} lines more in the table)" if more > 0 else ""))
         _scale(axes, [row[along] for row in rows])
-        axes.set(xlabel=with_unit(along), ylabel="probability of detection", ylim=(-0.03, 1.05))
+        axes.set(xlabel=with_unit(along), ylabel=what, ylim=(-0.03, 1.05))
 
     _panels(path, list(panels), draw, title, legend=bool(others))
     return True
 
 
 def coverage_figure(path: Path, rows: Rows, title: str) -> bool:
-    """Draw the table attack x detector, with Pd and median latency in each cell."""
+    """Draw the table attack x detector, with share of alarms and median latency in each cell.
+
+    What is no attack is named in brackets: there an alarm is a false one.
+    """
+    rows = [row if row["hostile"] else {**row, "attack": f"({row['attack']})"} for row in rows]
     attacks = list(dict.fromkeys(row["attack"] for row in rows))
     detectors = list(dict.fromkeys(row["detector"] for row in rows))
     if not attacks:
@@ -66,7 +77,7 @@ def coverage_figure(path: Path, rows: Rows, title: str) -> bool:
     cells = {(row["attack"], row["detector"]): row for row in rows}
     shares = np.full((len(attacks), len(detectors)), np.nan)
     for (attack, detector), row in cells.items():
-        shares[attacks.index(attack), detectors.index(detector)] = row["pd"]
+        shares[attacks.index(attack), detectors.index(detector)] = row["alarm"]
     with rc_context(RC):  # type: ignore[arg-type]
         size = (2.6 + 1.35 * len(detectors), 1.7 + 0.62 * len(attacks))
         figure = Figure(figsize=size, layout="constrained")
@@ -75,7 +86,7 @@ def coverage_figure(path: Path, rows: Rows, title: str) -> bool:
         for (attack, detector), row in cells.items():
             place = (detectors.index(detector), attacks.index(attack))
             axes.annotate(
-                _cell(row), place, ha="center", va="center", fontsize=8.5, color=_ink(row["pd"])
+                _cell(row), place, ha="center", va="center", fontsize=8.5, color=_ink(row["alarm"])
             )
         axes.set_xticks(range(len(detectors)), [_words(d, "\n") for d in detectors])
         axes.set_yticks(range(len(attacks)), attacks)
@@ -83,7 +94,7 @@ def coverage_figure(path: Path, rows: Rows, title: str) -> bool:
         axes.grid(visible=False)
         axes.spines[:].set_visible(False)
         figure.suptitle(title, fontsize=11, fontweight="bold")
-        bar = figure.colorbar(image, label="probability of detection", pad=0.02)
+        bar = figure.colorbar(image, label="share of alarms", pad=0.02)
         bar.outline.set_visible(False)
         _save(figure, path)
     return True
@@ -215,8 +226,8 @@ def _panels(
 def _line(axes: Axes, rows: Rows, along: str, label: str, number: int) -> None:
     """Pd along an axis with its intervals."""
     x = [row[along] for row in rows]
-    y = np.array([row["pd"] for row in rows])
-    low, high = (np.array([row[end] for row in rows]) for end in ("pd_low", "pd_high"))
+    y = np.array([row["alarm"] for row in rows])
+    low, high = (np.array([row[end] for row in rows]) for end in ("alarm_low", "alarm_high"))
     axes.errorbar(
         x,
         y,
@@ -279,7 +290,7 @@ def _named(row: dict[str, Any], names: Sequence[str]) -> str:
 
 def _cell(row: dict[str, Any]) -> str:
     latency = row["median_on_air_s"]
-    share = f"{row['pd']:.3f}".rstrip("0").rstrip(".") if row["pd"] < 0.9995 else "1"
+    share = f"{row['alarm']:.3f}".rstrip("0").rstrip(".")
     return share if math.isnan(latency) else f"{share}\n{latency:.2g} s"
 
 
