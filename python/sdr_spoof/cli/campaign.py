@@ -106,13 +106,13 @@ def _listed(plan: Plan) -> Outcome:
 
 
 def _print_table(console: Console, plan: Plan, rows: list[dict[str, Any]]) -> None:
-    """Share of alarms and latency, one line per point, attack and detector."""
+    """One line per point, attack and detector; without attacks, of the others."""
     axes = [name for name, _ in plan.points[0].values]
-    made = tables.table(
-        "Alarms",
-        *(*axes, "attack", "detector", "alarms", "95 %", "after the start"),
-        left=["attack", "detector"],
-    )
+    rows = [row for row in rows if row["hostile"]] or rows
+    names = (*axes, "attack", "detector", "alarms", "95 %", "after the start")
+    made = tables.table("Alarms", *names, left=["attack", "detector"])
+    for column in made.columns:
+        column.no_wrap = True
     for row in rows[:_MOST_ROWS]:
         latency = row["median_on_air_s"]
         made.add_row(
