@@ -8,9 +8,9 @@ seconds of the recording, so that the result does not depend on the size of the 
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from . import _core
 from .acquisition import AcquisitionConfig, acquire
@@ -18,7 +18,7 @@ from .errors import ConfigError, RecordingError
 from .interrupt import held_back
 from .records import Acquisition, ComboTrack, SignalTrack, TrackLog
 from .row_store import RowStore
-from .signals import signal_spec
+from .signals import coherent_pairs, signal_spec
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -31,6 +31,15 @@ BLOCK_BYTES = 8 << 20
 """Samples read and fed at a time. Larger blocks leave the processor's cache and read slower."""
 QMBOC_HALF_BANDWIDTH_HZ = 7.161e6
 """The BOC(6,1) part of the B1C pilot lies 6.138 MHz beside the carrier, one lobe each way."""
+
+
+def _split(pair: Any) -> Any:
+    """Read ``B1I+B1CP`` as two names."""
+    return pair.split("+") if isinstance(pair, str) else pair
+
+
+SignalPair = Annotated[tuple[str, str], BeforeValidator(_split)]
+"""Two signals of a satellite; in text, with a plus sign between them."""
 
 
 class TrackingConfig(BaseModel):
@@ -52,6 +61,9 @@ class TrackingConfig(BaseModel):
     )
     main_bandwidth_hz: float = Field(10.0, gt=0, description="main-carrier loop of a combo")
     subcarrier_bandwidth_hz: float = Field(5.0, gt=0, description="subcarrier loop of a combo")
+    code_bias_bandwidth_hz: float = Field(
+        0.1, gt=0, description="loop of a combo that follows the difference of the two codes"
+    )
     integration_ms: int = Field(
         10,
         description="longest coherent integration, 1, 2, 4, 5, 10 or 20 ms; never beyond a symbol",
@@ -61,7 +73,12 @@ class TrackingConfig(BaseModel):
         None,
         description="receive the B1C pilot's BOC(6,1) part too; unset = where the bandwidth allows",
     )
-    combo: bool = Field(True, description="track B1I and B1C of a satellite jointly")
+    combo: bool = Field(True, description="track the pairs of signals of a satellite jointly")
+    pairs: tuple[SignalPair, ...] = Field(
+        default_factory=coherent_pairs,
+        description="signals with coherent carriers that are tracked as one, such as B1I+B1CP; "
+        "where a satellite has several such pairs, the first",
+    )
     data_component: bool = Field(
         False, description="correlate the B1C data component too, with the pilot's oscillators"
     )

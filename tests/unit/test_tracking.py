@@ -199,7 +199,8 @@ def test_b1i_joins_the_data_component_where_there_is_no_pilot():
         for signal in ("B1CD", "B1I")
     }
     found = [seed_of(e, signal, 30) for signal, e in emitters.items()]
-    log = track(Synthetic(list(emitters.values()), 4.0), found, threads=2)
+    config = TrackingConfig(pairs=(("B1I", "B1CD"),))
+    log = track(Synthetic(list(emitters.values()), 4.0), found, config, threads=2)
     (combo,) = log.combos
     assert combo.state[-1] == State.COMBO
     assert all((t.state != State.LOST).all() for t in log.signals)

@@ -109,6 +109,10 @@ pub struct SignalSpec {
 /// Every signal that the receiver knows.
 pub static SIGNALS: &[SignalSpec] = &[b1i::B1I, b1c::B1CD, b1c::B1CP, l1ca::L1CA];
 
+/// Pairs of signals with coherent carriers that are tracked as one unless told otherwise; the first
+/// pair of which a satellite has both comes first.
+pub static PAIRS: &[(&str, &str)] = &[("B1I", "B1CP")];
+
 /// Looks a signal up by its registry name.
 ///
 /// # Errors
