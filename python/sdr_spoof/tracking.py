@@ -7,7 +7,9 @@ seconds of the recording, so that the result does not depend on the size of the 
 
 from __future__ import annotations
 
+import math
 import os
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
@@ -21,7 +23,7 @@ from .row_store import RowStore
 from .signals import coherent_pairs, signal_spec
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
     from pathlib import Path
 
     from .progress import Progress
@@ -85,11 +87,43 @@ class TrackingConfig(BaseModel):
     reacquire: bool = Field(True, description="search for lost signals again, each second")
 
 
+@dataclass(frozen=True)
+class Isolation:
+    """A signal that is taken to be captured by a spoofer for some time.
+
+    Its pair is parted: the other sideband goes on by itself, and so does this one, its rows marked
+    :attr:`State.CAPTURED`.
+    """
+
+    signal: str
+    prn: int
+    from_s: float
+    """Seconds since the first sample of the recording."""
+    until_s: float = math.inf
+    """From here on all signals of the satellite are trusted, and may be joined, again."""
+
+    def begin(self, tracker: _core.Tracker) -> None:
+        """Mark the signal.
+
+        Raises:
+            ConfigError: it is not tracked.
+        """
+        try:
+            tracker.isolate(signal_spec(self.signal).system, self.prn, self.signal)
+        except ValueError as error:
+            raise ConfigError(str(error)) from error
+
+    def end(self, tracker: _core.Tracker) -> None:
+        """Take the marks of the satellite away."""
+        tracker.rejoin(signal_spec(self.signal).system, self.prn)
+
+
 def track(
     recording: Source,
     acquisitions: Sequence[Acquisition],
     config: TrackingConfig | None = None,
     *,
+    isolations: Sequence[Isolation] = (),
     threads: int | None = None,
     block_s: float | None = None,
     rows_in: Path | None = None,
@@ -102,6 +136,7 @@ def track(
         acquisitions: where to start; entries that are not ``detected`` are passed over. All
             must hold at the same sample.
         config: loop settings.
+        isolations: signals that are not to be trusted, and when.
         threads: worker threads, all cores by default; the result does not depend on it.
         block_s: signal fed to the core at a time, 8 MB by default; the result does not depend on
             it.
@@ -114,7 +149,8 @@ def track(
         two signals. An interrupt (Ctrl-C) ends tracking early and gives a log marked partial.
 
     Raises:
-        ConfigError: a setting is out of range, or the acquisitions are of different samples.
+        ConfigError: a setting is out of range, the acquisitions are of different samples, or a
+            signal to isolate is not tracked.
         SignalError: the recording cannot hold a signal.
         RecordingError: the recording cannot be read.
         OutputError: the rows cannot be written to ``rows_in``.
@@ -128,13 +164,16 @@ def track(
     tracker = _tracker(recording, targets, config, start, threads or os.cpu_count() or 1)
     rows = RowStore(rows_in)
     rate = recording.format.sample_rate_hz
+    marks = _marks(recording, isolations)
     partial = False
     try:
-        for begin, count in _blocks(recording, start, block_s):
+        for begin, count in _blocks(recording, start, block_s, [at for at, _ in marks]):
             if begin > start and _is_whole_second(recording, begin):
                 _take_rows(tracker, rows)
                 if config.reacquire:
                     _reacquire(tracker, recording, begin, threads)
+            while marks and marks[0][0] <= begin:
+                marks.pop(0)[1](tracker)
             tracker.feed(recording.read_raw(begin, count))
             if progress:
                 progress((begin + count - start) / rate, (recording.sample_count - start) / rate)
@@ -149,6 +188,20 @@ def track(
         signals=rows.tracks(SignalTrack),
         combos=rows.tracks(ComboTrack),
     )
+
+
+def _marks(
+    recording: Source, isolations: Sequence[Isolation]
+) -> list[tuple[int, Callable[[_core.Tracker], None]]]:
+    """What begins or ends isolations, and at which samples, on whole bytes and in order."""
+    rate = recording.format.sample_rate_hz
+    marks = [
+        (math.ceil(time_s * rate / 8) * 8, end)
+        for i in isolations
+        for time_s, end in ((i.from_s, i.begin), (i.until_s, i.end))
+        if math.isfinite(time_s)
+    ]
+    return sorted(marks, key=lambda mark: mark[0])
 
 
 def _take_rows(tracker: _core.Tracker, rows: RowStore) -> None:
@@ -214,7 +267,9 @@ def _holds_qmboc(recording: Source) -> bool:
     return min(offset - low, high - offset) >= QMBOC_HALF_BANDWIDTH_HZ
 
 
-def _blocks(recording: Source, start: int, block_s: float | None) -> Iterator[tuple[int, int]]:
+def _blocks(
+    recording: Source, start: int, block_s: float | None, cuts: Sequence[int] = ()
+) -> Iterator[tuple[int, int]]:
     """(first sample, count) of the blocks; cut also at whole seconds of the recording."""
     form, rate = recording.format, recording.format.sample_rate_hz
     size = BLOCK_BYTES * 8 // form.bits_per_sample if block_s is None else round(block_s * rate)
@@ -224,7 +279,8 @@ def _blocks(recording: Source, start: int, block_s: float | None) -> Iterator[tu
         second = _second(recording, int(begin / rate) + 1)
         if second <= begin:
             second = _second(recording, int(begin / rate) + 2)
-        end = min(begin + size, second, recording.sample_count)
+        others = (cut for cut in cuts if cut > begin)
+        end = min(begin + size, second, recording.sample_count, *others)
         yield begin, end - begin
         begin = end
 
