@@ -22,9 +22,11 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .acquisition import AcquisitionConfig, acquire
     from .config import Config, load_config
+    from .correlator_level import simulate
     from .detectors import DetectionConfig
     from .errors import ConfigError, OutputError, RecordingError, SdrSpoofError, SignalError
     from .info import inspect
+    from .isolation import Isolation
     from .pipeline import process
     from .records import Acquisition, ComboTrack, SignalTrack, State, TrackLog, Verdict
     from .report import write_report
@@ -42,6 +44,7 @@ __all__ = [
     "Config",
     "ConfigError",
     "DetectionConfig",
+    "Isolation",
     "OutputError",
     "Recording",
     "RecordingError",
@@ -64,6 +67,7 @@ __all__ = [
     "read_result",
     "signal_ids",
     "signal_spec",
+    "simulate",
     "synthesize",
     "track",
     "write_report",
@@ -73,9 +77,11 @@ __all__ = [
 _HOMES = {
     "acquisition": ("AcquisitionConfig", "acquire"),
     "config": ("Config", "load_config"),
+    "correlator_level": ("simulate",),
     "detectors": ("DetectionConfig",),
     "errors": ("ConfigError", "OutputError", "RecordingError", "SdrSpoofError", "SignalError"),
     "info": ("inspect",),
+    "isolation": ("Isolation",),
     "pipeline": ("process",),
     "records": ("Acquisition", "ComboTrack", "SignalTrack", "State", "TrackLog", "Verdict"),
     "report": ("write_report",),

@@ -7,9 +7,7 @@ seconds of the recording, so that the result does not depend on the size of the 
 
 from __future__ import annotations
 
-import math
 import os
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
@@ -18,15 +16,18 @@ from . import _core
 from .acquisition import AcquisitionConfig, acquire
 from .errors import ConfigError, RecordingError
 from .interrupt import held_back
+from .isolation import isolation_marks
 from .records import Acquisition, ComboTrack, SignalTrack, TrackLog
 from .row_store import RowStore
 from .signals import coherent_pairs, signal_spec
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
+    from .isolation import Isolation
     from .progress import Progress
+    from .sources import RecordingFormat
     from .sources.source import Source
 
 BLOCK_BYTES = 8 << 20
@@ -87,37 +88,6 @@ class TrackingConfig(BaseModel):
     reacquire: bool = Field(True, description="search for lost signals again, each second")
 
 
-@dataclass(frozen=True)
-class Isolation:
-    """A signal that is taken to be captured by a spoofer for some time.
-
-    Its pair is parted: the other sideband goes on by itself, and so does this one, its rows marked
-    :attr:`State.CAPTURED`.
-    """
-
-    signal: str
-    prn: int
-    from_s: float
-    """Seconds since the first sample of the recording."""
-    until_s: float = math.inf
-    """From here on all signals of the satellite are trusted, and may be joined, again."""
-
-    def begin(self, tracker: _core.Tracker) -> None:
-        """Mark the signal.
-
-        Raises:
-            ConfigError: it is not tracked.
-        """
-        try:
-            tracker.isolate(signal_spec(self.signal).system, self.prn, self.signal)
-        except ValueError as error:
-            raise ConfigError(str(error)) from error
-
-    def end(self, tracker: _core.Tracker) -> None:
-        """Take the marks of the satellite away."""
-        tracker.rejoin(signal_spec(self.signal).system, self.prn)
-
-
 def track(
     recording: Source,
     acquisitions: Sequence[Acquisition],
@@ -164,7 +134,7 @@ def track(
     tracker = _tracker(recording, targets, config, start, threads or os.cpu_count() or 1)
     rows = RowStore(rows_in)
     rate = recording.format.sample_rate_hz
-    marks = _marks(recording, isolations)
+    marks = isolation_marks(isolations, rate)
     partial = False
     try:
         for begin, count in _blocks(recording, start, block_s, [at for at, _ in marks]):
@@ -188,20 +158,6 @@ def track(
         signals=rows.tracks(SignalTrack),
         combos=rows.tracks(ComboTrack),
     )
-
-
-def _marks(
-    recording: Source, isolations: Sequence[Isolation]
-) -> list[tuple[int, Callable[[_core.Tracker], None]]]:
-    """What begins or ends isolations, and at which samples, on whole bytes and in order."""
-    rate = recording.format.sample_rate_hz
-    marks = [
-        (math.ceil(time_s * rate / 8) * 8, end)
-        for i in isolations
-        for time_s, end in ((i.from_s, i.begin), (i.until_s, i.end))
-        if math.isfinite(time_s)
-    ]
-    return sorted(marks, key=lambda mark: mark[0])
 
 
 def _take_rows(tracker: _core.Tracker, rows: RowStore) -> None:
@@ -237,9 +193,7 @@ def _tracker(
     threads: int,
 ) -> _core.Tracker:
     form = recording.format
-    values: dict[str, Any] = config.model_dump(exclude={"reacquire"})
-    if values["qmboc"] is None:
-        values["qmboc"] = _holds_qmboc(recording)
+    values = core_settings(config, form)
     try:
         return _core.Tracker(
             form.sample_format,
@@ -256,9 +210,16 @@ def _tracker(
         raise ConfigError(str(error)) from error
 
 
-def _holds_qmboc(recording: Source) -> bool:
+def core_settings(config: TrackingConfig, form: RecordingFormat) -> dict[str, Any]:
+    """Settings as the core takes them, with what depends on the recorded band."""
+    values: dict[str, Any] = config.model_dump(exclude={"reacquire"})
+    if values["qmboc"] is None:
+        values["qmboc"] = _holds_qmboc(form)
+    return values
+
+
+def _holds_qmboc(form: RecordingFormat) -> bool:
     """Whether the recorded band reaches the BOC(6,1) lobes of the B1C pilot."""
-    form = recording.format
     offset = abs(signal_spec("B1CP").carrier_hz - form.lo_hz)
     low, high = (edge - form.lo_hz for edge in form.band_hz)
     if form.bandwidth_hz is not None:

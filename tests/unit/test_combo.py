@@ -6,9 +6,10 @@ from synthetic import Synthetic, same, seed_of
 
 from sdr_spoof import _core
 from sdr_spoof.errors import ConfigError
+from sdr_spoof.isolation import Isolation
 from sdr_spoof.records import State
 from sdr_spoof.signals import coherent_pairs, signal_spec
-from sdr_spoof.tracking import Isolation, TrackingConfig, track
+from sdr_spoof.tracking import TrackingConfig, track
 
 LIGHT_M_S = 299_792_458.0
 DELAY_S = 0.0712345

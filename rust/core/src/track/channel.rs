@@ -13,7 +13,7 @@ use super::joint_code::JointCode;
 use super::log::{ComboRows, State};
 use super::pair_rows::{PairEpoch, PairRecorder};
 use super::sideband::Sideband;
-use crate::dsp::band::Band;
+use super::source::Feed;
 
 /// Two integrations belong together if they begin within this, s.
 const PAIRED_S: f64 = 0.4e-3;
@@ -91,12 +91,13 @@ impl Channel {
         self.settled_s = 0.0;
     }
 
-    /// Works off what the bands hold.
-    pub fn advance(&mut self, bands: &[Band]) {
+    /// Works off what there is.
+    pub fn advance<'a>(&mut self, feed: impl Into<Feed<'a>>) {
+        let feed = feed.into();
         loop {
             for (sideband, pending) in self.sidebands.iter_mut().zip(&mut self.pending) {
                 if pending.is_none() {
-                    *pending = sideband.advance(&bands[sideband.band]);
+                    *pending = sideband.advance(feed);
                 }
             }
             if !self.close() {

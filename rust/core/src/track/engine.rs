@@ -237,31 +237,13 @@ impl Tracker {
     /// # Errors
     /// [`Error::Invalid`] if the satellite is not tracked here.
     pub fn rejoin(&mut self, system: char, prn: u16) -> Result<()> {
-        let mut known = false;
-        for channel in self.units.iter_mut().flat_map(|u| &mut u.channels) {
-            if channel.prn == prn && channel.sidebands[0].spec.system == system {
-                channel.rejoin();
-                known = true;
-            }
-        }
-        known
-            .then_some(())
-            .ok_or_else(|| not_tracked("any signal", system, prn))
+        let channels = self.units.iter_mut().flat_map(|u| &mut u.channels);
+        grouping::rejoin(channels, system, prn)
     }
 
     /// The channel of a signal, and which of its sidebands it is.
     fn place(&mut self, system: char, prn: u16, signal: &str) -> Result<(&mut Channel, usize)> {
-        let of = |s: &Sideband| s.spec.id == signal && s.spec.system == system;
-        self.units
-            .iter_mut()
-            .flat_map(|u| &mut u.channels)
-            .filter(|c| c.prn == prn)
-            .find_map(|c| c.sidebands.iter().position(of).map(|i| (c, i)))
-            .ok_or_else(|| not_tracked(signal, system, prn))
+        let channels = self.units.iter_mut().flat_map(|u| &mut u.channels);
+        grouping::place(channels, system, prn, signal)
     }
-}
-
-/// Of a satellite, or of none here.
-fn not_tracked(signal: &str, system: char, prn: u16) -> Error {
-    Error::Invalid(format!("{signal} of {system}{prn:02} is not tracked"))
 }

@@ -4,7 +4,7 @@ use super::channel::Channel;
 use super::config::TrackConfig;
 use super::input::{Input, Target};
 use super::sideband::Sideband;
-use crate::Result;
+use crate::{Error, Result};
 
 /// The channels of all targets: one for each pair, and one for each other signal.
 pub(super) fn channels(
@@ -13,23 +13,36 @@ pub(super) fn channels(
     targets: &[Target],
 ) -> Result<Vec<Channel>> {
     let fs = input.sample_rate_hz;
-    let mut satellites: Vec<((char, u16), Vec<Sideband>)> = Vec::new();
-    for target in targets {
+    let sideband = |target: &Target| {
         let spec = target.check(fs)?;
         let sideband = Sideband::new(spec, target.prn, fs, config, target.seed, input.start)?;
-        let key = (sideband.spec.system, target.prn);
+        Ok((target.prn, sideband))
+    };
+    let sidebands: Result<Vec<_>> = targets.iter().map(sideband).collect();
+    Ok(group(sidebands?, config, fs))
+}
+
+/// Channels of sidebands (with the numbers of their satellites), coupled where they can be.
+pub(crate) fn group(
+    sidebands: Vec<(u16, Sideband)>,
+    config: &TrackConfig,
+    sample_rate_hz: f64,
+) -> Vec<Channel> {
+    let mut satellites: Vec<((char, u16), Vec<Sideband>)> = Vec::new();
+    for (prn, sideband) in sidebands {
+        let key = (sideband.spec.system, prn);
         match satellites.iter_mut().find(|s| s.0 == key) {
             Some(satellite) => satellite.1.push(sideband),
             None => satellites.push((key, vec![sideband])),
         }
     }
-    Ok(satellites
+    satellites
         .into_iter()
         .flat_map(|((_, prn), sidebands)| {
-            let channel = move |s| Channel::new(prn, s, config, fs);
+            let channel = move |s| Channel::new(prn, s, config, sample_rate_hz);
             coupled(sidebands, &config.pairs).into_iter().map(channel)
         })
-        .collect())
+        .collect()
 }
 
 /// Shares channels out among threads, the work as even as can be; and says where each went.
@@ -73,4 +86,35 @@ fn coupled(mut sidebands: Vec<Sideband>, pairs: &[(String, String)]) -> Vec<Vec<
     }
     groups.extend(sidebands.into_iter().map(|s| vec![s]));
     groups
+}
+
+/// The channel of a signal, and which of its sidebands it is.
+pub(crate) fn place<'a>(
+    channels: impl Iterator<Item = &'a mut Channel>,
+    system: char,
+    prn: u16,
+    signal: &str,
+) -> Result<(&'a mut Channel, usize)> {
+    let of = |s: &Sideband| s.spec.id == signal && s.spec.system == system;
+    channels
+        .filter(|c| c.prn == prn)
+        .find_map(|c| c.sidebands.iter().position(of).map(|i| (c, i)))
+        .ok_or_else(|| not_tracked(signal, system, prn))
+}
+
+/// Lets the pairs of a satellite be joined again.
+pub(crate) fn rejoin<'a>(
+    channels: impl Iterator<Item = &'a mut Channel>,
+    system: char,
+    prn: u16,
+) -> Result<()> {
+    let of = |c: &&mut Channel| c.prn == prn && c.sidebands[0].spec.system == system;
+    let found = channels.filter(of).map(Channel::rejoin).count();
+    (found > 0)
+        .then_some(())
+        .ok_or_else(|| not_tracked("any signal", system, prn))
+}
+
+fn not_tracked(signal: &str, system: char, prn: u16) -> Error {
+    Error::Invalid(format!("{signal} of {system}{prn:02} is not tracked"))
 }
