@@ -45,9 +45,10 @@ impl TapNoise {
         }
     }
 
-    /// Adds the noise of the next slice, of so much power at unit variance.
+    /// Adds the noise of the next slice, of so much power at unit variance; gives that of the
+    /// companion.
     #[inline]
-    pub fn add(&mut self, power: f64, taps: &mut [C64], companion: &mut C64) {
+    pub fn add(&mut self, power: f64, taps: &mut [C64]) -> C64 {
         let at = (self.slice as usize * self.stride) % BATCH;
         if at == 0 {
             let first = self.slice as i64 * self.stride as i64;
@@ -66,7 +67,7 @@ impl TapNoise {
             let sum: C64 = here.iter().enumerate().map(|(j, l)| l * normal(j)).sum();
             *tap += sum * scale;
         }
-        *companion += normal(self.taps) * scale;
+        normal(self.taps) * scale
     }
 }
 
@@ -106,8 +107,8 @@ mod tests {
         let mut seen = [C64::default(); 9];
         let mut companion_power = 0.0;
         for _ in 0..n {
-            let (mut taps, mut companion) = ([C64::default(); 3], C64::default());
-            noise.add(4.0, &mut taps, &mut companion);
+            let mut taps = [C64::default(); 3];
+            let companion = noise.add(4.0, &mut taps);
             for (k, sum) in seen.iter_mut().enumerate() {
                 *sum += taps[k / 3] * taps[k % 3].conj() / (4.0 * f64::from(n));
             }
@@ -124,7 +125,7 @@ mod tests {
     fn streams_of_signals_and_seeds_differ() {
         let first = |key| {
             let mut taps = [C64::default()];
-            TapNoise::new(key, 1, &[C64::from(1.0)]).add(1.0, &mut taps, &mut C64::default());
+            TapNoise::new(key, 1, &[C64::from(1.0)]).add(1.0, &mut taps);
             taps[0].re
         };
         let mut seen: Vec<f64> = [

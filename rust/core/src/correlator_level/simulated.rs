@@ -150,7 +150,10 @@ impl Simulated {
         self.hear_companion(&span, length);
         let slice = &mut self.slice;
         let power = self.noise_power * length;
-        self.noise.add(power, &mut slice.taps, &mut slice.companion);
+        let companion = self.noise.add(power, &mut slice.taps);
+        if self.companion.is_some() {
+            slice.companion += companion;
+        }
         self.clock = after;
         self.index = (self.index + 1) % self.slices;
         Some(&self.slice)
