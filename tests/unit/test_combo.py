@@ -5,9 +5,11 @@ import pytest
 from synthetic import Synthetic, same, seed_of
 
 from sdr_spoof import _core
+from sdr_spoof.correlator_level import simulate
 from sdr_spoof.errors import ConfigError
 from sdr_spoof.isolation import Isolation
 from sdr_spoof.records import State
+from sdr_spoof.scenario import Scenario, transmissions
 from sdr_spoof.signals import coherent_pairs, signal_spec
 from sdr_spoof.tracking import TrackingConfig, track
 
@@ -215,3 +217,33 @@ def test_pairs_are_a_matter_of_configuration(pair):
 def test_what_is_no_pair_is_refused(pair, names, message):
     with pytest.raises(ConfigError, match=message):
         tracked(pair, 0.1, TrackingConfig(pairs=(names,)))
+
+
+def test_two_pilots_of_another_system_are_a_pair_like_any_other():
+    """Galileo E5a-Q and E5b-Q, both signs known: the ambiguity is a whole 9.77 m."""
+    plan = Scenario.model_validate(
+        {
+            "recording": {
+                "duration_s": 6.0,
+                "sample_rate_hz": 60e6,
+                "lo_hz": 1191.795e6,
+                "sample_format": "ci8",
+            },
+            "satellite": [
+                {"prn": 11, "system": "E", "signals": ["E5AQ", "E5BQ"], "range_rate_m_s": -433.0}
+            ],
+        }
+    )
+    (combo,) = simulate(plan).combos
+    assert (combo.lower, combo.upper) == ("E5AQ", "E5BQ")
+    assert (combo.state[-300:] == State.COMBO).all()
+    emitter = next(t.emitter for t in transmissions(plan) if t.signal == "E5BQ")
+    rows = np.isfinite(combo.subcarrier_range_m)
+    assert rows[-300:].all()
+    time_s = combo.time_s[rows]
+    period_m = 1e-3 * LIGHT_M_S
+    truth_m = LIGHT_M_S * (time_s - emitter.code_phase_chips(time_s) / 10.23e6)
+    error_m = (combo.subcarrier_range_m[rows] - truth_m + period_m / 2) % period_m - period_m / 2
+    sigma_m = LIGHT_M_S / 30.69e6 * np.sqrt(2 / (2 * 10**4.5 * 0.01)) / (2 * np.pi)
+    assert error_m.std() == pytest.approx(sigma_m, rel=4 / np.sqrt(2 * rows.sum()) + 0.02)
+    assert abs(error_m.mean()) < 4 * sigma_m / np.sqrt(rows.sum()) + 0.01
