@@ -17,8 +17,8 @@ pub(crate) struct Emitter(pub(crate) synth::Emitter);
 impl Emitter {
     #[new]
     #[pyo3(signature = (signal, prn, cn0_dbhz, *, delay_s=0.0, phase_cycles=0.0, doppler_hz=0.0,
-        doppler_rate_hz_s=0.0, data_seed=None, power_db=vec![], code_offset_m=vec![],
-        carrier_offset_hz=vec![], start_s=f64::NEG_INFINITY, end_s=f64::INFINITY))]
+        doppler_rate_hz_s=0.0, data_seed=None, data_delay_s=0.0, data_error_rate=0.0, power_db=vec![],
+        code_offset_m=vec![], carrier_offset_hz=vec![], start_s=f64::NEG_INFINITY, end_s=f64::INFINITY))]
     #[allow(clippy::too_many_arguments)] // keyword arguments in Python
     fn new(
         signal: &str,
@@ -29,6 +29,8 @@ impl Emitter {
         doppler_hz: f64,
         doppler_rate_hz_s: f64,
         data_seed: Option<u64>,
+        data_delay_s: f64,
+        data_error_rate: f64,
         power_db: Knots,
         code_offset_m: Knots,
         carrier_offset_hz: Knots,
@@ -42,6 +44,8 @@ impl Emitter {
             doppler_hz,
             doppler_rate_hz_s,
             data_seed,
+            data_delay_s,
+            data_error_rate,
             power_db: profile(power_db)?,
             code_offset_m: profile(code_offset_m)?,
             carrier_offset_hz: profile(carrier_offset_hz)?,
@@ -97,6 +101,12 @@ impl Emitter {
         time_s: PyReadonlyArray1<'py, f64>,
     ) -> Bound<'py, PyArray1<f64>> {
         map(py, &time_s, |t| self.0.cn0_at_dbhz(t))
+    }
+
+    /// Delay of the data symbols against the code, as sent: a whole number of chips.
+    #[getter]
+    fn data_delay_s(&self) -> f64 {
+        self.0.data_delay_chips() as f64 / self.0.signal.chip_rate_hz
     }
 
     /// Data symbols (+1 or -1) of these indices.
