@@ -132,6 +132,30 @@ class Tracker:
     def take_signals(self) -> list[dict[str, Any]]: ...
     def take_combos(self) -> list[dict[str, Any]]: ...
 
+@final
+class Simulator:
+    def __new__(
+        cls,
+        sample_rate_hz: float,
+        lo_hz: float,
+        config_values: dict[str, Any],
+        emitters: Sequence[Emitter],
+        targets: Sequence[tuple[str, int]],
+        *,
+        noise_power: float,
+        seed: int = 0,
+        complex_samples: bool = True,
+        bandwidth_hz: float | None = None,
+        centre_hz: float | None = None,
+        filter_taps: int = 63,
+        reacquire: bool = True,
+        threads: int = 1,
+    ) -> Simulator: ...
+    def advance(self, end: int) -> None: ...
+    def position(self) -> int: ...
+    def take_signals(self) -> list[dict[str, Any]]: ...
+    def take_combos(self) -> list[dict[str, Any]]: ...
+
 def early_late(modulation: str, half_chips: float) -> tuple[float, float]: ...
 
 # speed

@@ -11,7 +11,7 @@ type Knots = Vec<(f64, f64)>;
 
 /// A signal component of one transmitter; a spoofer is more emitters.
 #[pyclass(frozen, module = "sdr_spoof._core")]
-struct Emitter(synth::Emitter);
+pub(crate) struct Emitter(pub(crate) synth::Emitter);
 
 #[pymethods]
 impl Emitter {
@@ -157,14 +157,8 @@ impl Synthesizer {
         threads: usize,
     ) -> PyResult<Self> {
         let format = SampleFormat::parse(sample_format).map_err(to_py)?;
-        let filter = bandwidth_hz
-            .map(|bandwidth| {
-                let centre = (centre_hz.unwrap_or(lo_hz) - lo_hz) / sample_rate_hz;
-                let width = bandwidth / sample_rate_hz;
-                synth::Filter::new(centre, width, filter_taps, format.is_complex())
-            })
-            .transpose()
-            .map_err(to_py)?;
+        let band = (bandwidth_hz, centre_hz.unwrap_or(lo_hz) - lo_hz);
+        let filter = filter(sample_rate_hz, band, filter_taps, format.is_complex())?;
         let config = synth::SynthConfig {
             sample_rate_hz,
             lo_hz,
@@ -193,6 +187,20 @@ impl Synthesizer {
             .map_err(to_py)?;
         Ok(bytes.into_pyarray(py))
     }
+}
+
+/// The front-end filter of a bandwidth, if there is one, and a centre in the recording.
+pub(crate) fn filter(
+    sample_rate_hz: f64,
+    (bandwidth_hz, centre_hz): (Option<f64>, f64),
+    taps: usize,
+    complex_samples: bool,
+) -> PyResult<Option<synth::Filter>> {
+    let relative = |hz: f64| hz / sample_rate_hz;
+    bandwidth_hz
+        .map(|b| synth::Filter::new(relative(centre_hz), relative(b), taps, complex_samples))
+        .transpose()
+        .map_err(to_py)
 }
 
 pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -80,7 +80,7 @@ impl Emitter {
     }
 
     /// Checks what the synthesis relies on.
-    pub(super) fn check(&self) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         let numbers = [
             ("cn0_dbhz", self.cn0_dbhz),
             ("delay_s", self.delay_s),
