@@ -188,10 +188,24 @@ impl Emission {
             n => self.secondary[period.rem_euclid(n) as usize],
         };
         let symbol = match self.periods_per_symbol {
-            Some(n) => self.emitter.data_symbol(period.div_euclid(n)),
-            None => 1,
+            Some(n) => self.mean_symbol(period, n),
+            None => 1.0,
         };
-        f64::from(secondary * symbol)
+        f64::from(secondary) * symbol
+    }
+
+    /// Mean of the data over a code period, within which late data may change.
+    fn mean_symbol(&self, period: i64, periods_per_symbol: i64) -> f64 {
+        let length = self.code_length as i64;
+        let change = self.emitter.data_delay_chips().rem_euclid(length);
+        let data = |chip| {
+            f64::from(
+                self.emitter
+                    .data_sign(period * length + chip, periods_per_symbol),
+            )
+        };
+        let share = change as f64 / self.code_length;
+        share * data(0) + (1.0 - share) * data(change)
     }
 }
 
@@ -209,4 +223,30 @@ fn sinc(x: f64) -> f64 {
 fn unit(cycles: f64) -> C64 {
     let (sin, cos) = (split(cycles).1 * TAU).sin_cos();
     C64::new(cos, sin)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::signal;
+
+    #[test]
+    fn late_data_change_within_a_period() {
+        let b1i = Emitter {
+            data_seed: Some(3),
+            data_delay_s: 0.007_3,
+            ..Emitter::new(signal::find("B1I").unwrap(), 27, 45.0)
+        };
+        let emission = Emission::new(b1i.clone()).unwrap();
+        for period in -50..200 {
+            let mean = (0..2046).map(|chip| f64::from(b1i.data_sign(period * 2046 + chip, 20)));
+            let expected = mean.sum::<f64>() / 2046.0;
+            let secondary = f64::from(emission.secondary[period.rem_euclid(20) as usize]);
+            let found = emission.mean_sign(period as f64 * 2046.0, 2046.0);
+            assert!(
+                (found - expected * secondary).abs() < 1e-9,
+                "period {period}"
+            );
+        }
+    }
 }
