@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Literal
 
-from sdr_spoof.detectors import phase_difference_rate
+from sdr_spoof.detectors import delta_metric, phase_difference_rate, power, ratio_metric
 from sdr_spoof.detectors.config import DetectionConfig
 from sdr_spoof.detectors.series import StatisticSeries
 from sdr_spoof.errors import ConfigError
@@ -30,6 +31,9 @@ class Detector:
     """What it cannot see, in words for the report."""
     statistics: Callable[[TrackLog, DetectionConfig], Iterator[StatisticSeries]]
     """Series after series, so that no more than one need be in memory."""
+    evidence: Literal["consistency", "quality"] = "consistency"
+    """Of 'consistency' between what must move together: an alarm means spoofing. Of signal
+    'quality', which multipath and interference change too: an alarm is a suspicion."""
 
 
 DETECTORS: dict[str, Detector] = {
@@ -45,6 +49,35 @@ DETECTORS: dict[str, Detector] = {
             "which beats until lock is lost; drags slower than the threshold; satellites received "
             "in one band only",
             phase_difference_rate.statistics,
+        ),
+        *(
+            Detector(
+                name,
+                f"{metric} metric{which}",
+                f"whether the {what} of each correlation peak {verb}",
+                "a spoofer that is far stronger than the satellite, or far from its peak; changes "
+                "slower than its reference; it cannot tell multipath from a spoofer",
+                statistics,
+                "quality",
+            )
+            for metric, what, module in (
+                ("Delta", "symmetry", delta_metric),
+                ("Ratio", "flatness", ratio_metric),
+            )
+            for name, which, verb, statistics in (
+                (module.NAME, "", "has changed", module.mean),
+                (module.SCATTER, ", moving variance", "has become restless", module.scatter),
+            )
+        ),
+        Detector(
+            power.NAME,
+            "Power",
+            "whether power has risen beyond what its past explains: C/N0, the band's noise, or the "
+            "one against the other",
+            "a spoofer as strong as the satellite; one that raises its power slowly; it cannot "
+            "tell interference, multipath or a change of gain from a spoofer",
+            power.statistics,
+            "quality",
         ),
     )
 }

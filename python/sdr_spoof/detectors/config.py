@@ -60,3 +60,33 @@ class DetectionConfig(BaseModel):
         gt=0.1,
         description="Signal before the onset from which each band's carrier is extrapolated, in s.",
     )
+
+    # Signal quality: delta_metric, ratio_metric and their variances.
+    quality_window_s: float = Field(
+        1.0, ge=0.1, le=60.0, description="Window of the signal-quality metrics, in s."
+    )
+    quality_reference_s: float = Field(
+        10.0,
+        ge=0.5,
+        description="Signal before the window that their mean and scatter are compared with, in s.",
+    )
+    # Power.
+    power_window_s: float = Field(
+        1.0, ge=0.1, le=60.0, description="Window of the power averages, in s."
+    )
+    power_reference_s: float = Field(
+        20.0,
+        ge=0.5,
+        description="Signal before the window whose largest average a rise is measured from, in s.",
+    )
+    power_wander_db: float = Field(
+        0.5,
+        ge=0.0,
+        description="Standard deviation of innocent changes of power (multipath, attitude), in dB.",
+    )
+    power_noise_floor: float | None = Field(
+        None,
+        gt=0.0,
+        description="Calibrated noise power per sample of the band, in squared units of the "
+        "samples; left out, the noise is compared with itself.",
+    )
