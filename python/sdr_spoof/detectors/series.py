@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
 
+from sdr_spoof.records import Alarm
+
 LOG10_P_FLOOR = -30.0
 """Significance is clipped here: no noise model is trusted further into its tail."""
 
@@ -47,6 +49,12 @@ class StatisticSeries:
     share: float = 1.0
     """Part of the detector's false-alarm probability that this series may use: the shares of all
     its series for one satellite add up to at most 1."""
+
+    def raised(self, alarm: Alarm) -> bool:
+        """Whether an alarm is of this series, in any section of the track."""
+        of = (alarm.system, alarm.prn, alarm.detector, alarm.quantity)
+        mine = (self.system, self.prn, self.detector, self.quantity)
+        return of == mine and self.signal in (None, alarm.band)
 
     def covers(self, time_s: float) -> bool:
         """Whether one of its tests may have this time: the sections of a track do not overlap."""
