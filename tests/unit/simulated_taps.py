@@ -92,5 +92,5 @@ def quality_track(
 
 def quality_log(*tracks):
     """A log of single-signal tracks."""
-    duration_s = max((float(t.time_s[-1]) for t in tracks), default=0.0)
+    duration_s = max((float(t.time_s[-1]) for t in tracks if t.epochs), default=0.0)
     return TrackLog("simulated", SAMPLE_RATE_HZ, duration_s, False, tracks, ())

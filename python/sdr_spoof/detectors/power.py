@@ -13,10 +13,12 @@ trailing reference (a fall, and the return from it, are what trees and houses do
   that hides its C/N0 under noise of its own does not.
 
 Law under H0. The window's mean |P|^2 - noise over N epochs has the relative variance
-(2 / s + 1 / s^2) / N, s = C/N0 T, that of the noise tap 1 / N; 10 / ln 10 makes it dB, those of
-window and reference add. Innocent power wanders too (multipath, attitude, elevation): the deviation
-``power_wander_db`` is added in squares. Since the reference is the *largest* of its windows,
-P(value > x) under H0 is at most that of N(0, sigma^2); values below 0 are given as 0.
+(2 / s + 1 / s^2) / N, s = C/N0 T. The tracker's noise power is an exponential mean with memory m of
+slices dt, each with relative variance 1; averaged over a window W that is
+(dt / W) (1 - (m / W) (1 - exp(-W / m))). 10 / ln 10 makes them dB; those of window and reference
+add. Innocent power wanders too (multipath, attitude, elevation): the deviation ``power_wander_db``
+is added in squares. Since the reference is the *largest* of its windows, P(value > x) under H0 is
+at most that of N(0, sigma^2); values below 0 are given as 0.
 
 Sources: K. Wesson, J. Gross, T. Humphreys and B. Evans, "GNSS signal authentication via power and
 distortion monitoring" (IEEE Transactions on Aerospace and Electronic Systems 54, 2018); D. Akos,
@@ -35,7 +37,7 @@ from scipy.ndimage import maximum_filter1d
 
 from sdr_spoof import _core
 from sdr_spoof.detectors.config import DetectionConfig
-from sdr_spoof.detectors.presence import empty, find_noise_tap
+from sdr_spoof.detectors.presence import BELOW_DB, empty
 from sdr_spoof.detectors.series import StatisticSeries
 from sdr_spoof.detectors.signal_quality import signals_of
 from sdr_spoof.detectors.windows import sections, segments, sliding_mean
@@ -43,6 +45,8 @@ from sdr_spoof.records import SignalTrack, State, TrackLog
 
 NAME = "power"
 CN0, NOISE, AGAINST = "C/N0", "noise power", "C/N0 against power"
+SLICE_S, NOISE_MEMORY_S = 1e-3, 2.0
+"""The tracker averages the noise tap of slices over such a memory (``track/quality.rs``)."""
 DB = 10.0 / np.log(10.0)
 
 
@@ -56,9 +60,9 @@ class _Rows:
     signal: NDArray[np.float64]
     """Prompt power per sample, with its noise taken out."""
     noise: NDArray[np.float64]
-    """Noise power per sample: of the noise tap, or the tracker's mean where there is none."""
-    snr_noise: NDArray[np.float64]
-    """Mean noise power in the prompt of an epoch, per sample: the tracker's mean."""
+    """Noise power per sample, the tracker's running mean."""
+    in_prompt: NDArray[np.float64]
+    """Mean noise power in the prompt of an epoch, per sample."""
 
 
 def statistics(log: TrackLog, config: DetectionConfig) -> Iterator[StatisticSeries]:
@@ -83,7 +87,7 @@ def _rows(
     usable = (
         (track.state >= State.SYNCED)
         & (track.noise_power > 0.0)
-        & ~empty(track, config.min_cn0_dbhz)
+        & ~empty(track, config.min_cn0_dbhz - BELOW_DB)
     )
     settle = round(config.settle_s / epoch_s)
     pieces = [
@@ -94,11 +98,9 @@ def _rows(
     number = np.concatenate([none, *(np.full(p.size, k) for k, p in enumerate(pieces))])
     in_prompt = track.noise_power / samples
     prompt = np.abs(track.taps[:, track.prompt_tap].astype(np.complex128)) ** 2 / samples**2
-    tap = find_noise_tap(track)
-    noise = track.noise_power
-    if tap is not None:
-        noise = np.abs(track.taps[:, tap].astype(np.complex128)) ** 2 / samples
-    return _Rows(at, number, (prompt - in_prompt)[at], noise[at], in_prompt[at]), epoch_s
+    return _Rows(
+        at, number, (prompt - in_prompt)[at], track.noise_power[at], in_prompt[at]
+    ), epoch_s
 
 
 def _series(
@@ -115,7 +117,7 @@ def _series(
     time, value, sigma, thermal = empty_rows, empty_rows, empty_rows, empty_rows
     segment = np.empty(0, np.int64)
     if rows.at.size >= 2 * width:
-        level, variance = _level(rows, width, quantity)
+        level, variance = _level(rows, width, epoch_s, quantity)
         reach = max(round(config.power_reference_s / epoch_s), width)
         value, thermal = _rise(level, variance, width, reach, quantity, config)
         sigma = np.hypot(thermal, config.power_wander_db)
@@ -148,20 +150,27 @@ def _series(
 
 
 def _level(
-    rows: _Rows, width: int, quantity: str
+    rows: _Rows, width: int, epoch_s: float, quantity: str
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Quantity of every window in dB and its variance by the law, in dB squared."""
     signal, noise = sliding_mean(rows.signal, width), sliding_mean(rows.noise, width)
-    in_prompt = sliding_mean(rows.snr_noise, width)
+    in_prompt = sliding_mean(rows.in_prompt, width)
     signal = np.maximum(signal, 0.1 * in_prompt)
     snr = signal / in_prompt
-    of_signal, of_noise = (2.0 / snr + 1.0 / snr**2) / width, np.full(snr.size, 1.0 / width)
+    of_signal = (2.0 / snr + 1.0 / snr**2) / width
+    of_noise = np.full(snr.size, noise_variance(width * epoch_s))
     level, variance = {
         CN0: (signal / noise, of_signal + of_noise),
         NOISE: (noise, of_noise),
         AGAINST: (signal, of_signal),
     }[quantity]
     return DB * np.log(level), DB**2 * variance
+
+
+def noise_variance(window_s: float) -> float:
+    """Relative variance of the tracker's noise power, averaged over a window."""
+    memory = NOISE_MEMORY_S / window_s
+    return SLICE_S / window_s * (1.0 - memory * (1.0 - float(np.exp(-1.0 / memory))))
 
 
 def _rise(
@@ -191,7 +200,7 @@ def _trace(
     """The quantity of each epoch over its median, and the piece that it lies in."""
     trace, segment = np.full(track.epochs, np.nan), np.full(track.epochs, -1)
     values = {
-        CN0: rows.signal / rows.snr_noise,
+        CN0: rows.signal / rows.noise,
         NOISE: rows.noise,
         AGAINST: rows.signal,
     }[quantity]

@@ -43,7 +43,7 @@ from scipy.stats import norm
 
 from sdr_spoof import _core
 from sdr_spoof.detectors.config import DetectionConfig
-from sdr_spoof.detectors.presence import empty
+from sdr_spoof.detectors.presence import BELOW_DB, empty
 from sdr_spoof.detectors.series import StatisticSeries
 from sdr_spoof.detectors.windows import moving_sum, sections, segments
 from sdr_spoof.records import SignalTrack, State, TrackLog
@@ -119,7 +119,7 @@ def per_epoch(
     usable = (
         (track.state >= State.SYNCED)
         & (track.noise_power > 0.0)
-        & ~empty(track, config.min_cn0_dbhz)
+        & ~empty(track, config.min_cn0_dbhz - BELOW_DB)
     )
     settle = round(config.settle_s / epoch_s)
     pieces = [
