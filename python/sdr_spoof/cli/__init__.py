@@ -18,7 +18,7 @@ from pydantic import ValidationError
 
 from sdr_spoof.errors import ConfigError, SdrSpoofError
 
-from . import acquire, bench, demo, info, process, synth, track, validate
+from . import acquire, bench, demo, info, process, reproduce, synth, track, validate
 from .command import INTERRUPTED, Command, Outcome, to_plain
 from .ui import Ui
 
@@ -36,6 +36,7 @@ COMMANDS: tuple[Command, ...] = (
     demo.COMMAND,
     bench.COMMAND,
     validate.COMMAND,
+    reproduce.COMMAND,
 )
 
 
