@@ -113,7 +113,7 @@ def test_a_slow_drag_is_seen_by_the_receiver():
         (latency,) = result.detected(method)
         assert 0.0 < latency < 0.5
     cells = dict(zip(sweep.columns(), sweep.row(result), strict=True))
-    assert cells["Pd, rate, published law"] == 1.0
+    assert cells["Pd, rate (published law)"] == 1.0
 
 
 def test_seeds_are_those_of_the_point():

@@ -29,7 +29,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
         "--runs",
         type=options.positive,
         metavar="N",
-        help="runs of the whole receiver for each point (default: 1000, with --quick 10)",
+        help="runs of the whole receiver for each point (default: 1000, with --quick 6)",
     )
     options.add_threads(parser)
 

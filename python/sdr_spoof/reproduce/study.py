@@ -111,6 +111,7 @@ class Study:
     sections: Callable[[Effort, Stages], Sequence[Section]]
     full_runs: int = 1000
     quick_runs: int = 10
+    """Under half a minute on two cores."""
 
 
 @dataclass(frozen=True)

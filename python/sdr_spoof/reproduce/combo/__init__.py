@@ -23,4 +23,5 @@ STUDY = Study(
     "Neyman-Pearson test on the rate of the carrier difference.",
     errata=errata.errata,
     sections=sections,
+    quick_runs=6,
 )

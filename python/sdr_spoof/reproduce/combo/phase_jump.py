@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sdr_spoof.detectors import DetectionConfig
 from sdr_spoof.detectors import combo_model as model
-from sdr_spoof.detectors.phase_difference_rate import scaled_difference
+from sdr_spoof.detectors.phase_difference import scaled_difference
+from sdr_spoof.detectors.slips import repair_slips
 from sdr_spoof.reproduce.study import Number, Picture, Section, Table, near
 from sdr_spoof.scenario import Scenario
 from sdr_spoof.scenario.live import LiveRecording
@@ -34,6 +35,10 @@ START_S, END_S = 3.0, 7.0
 DRAG_HZ = 1.0
 OFFSET_CYCLES = 0.2
 """Phase of the spoofer against the authentic signal when it comes on the air."""
+SETTLE_S = 0.5
+"""Of the joint loops, left out."""
+SLIP_ROWS = 100
+"""A cycle slip stands alone within so many epochs."""
 JUMP_S = (0.05, 0.15)
 """After the start: the loops' transient is over, the drag has hardly begun."""
 
@@ -93,7 +98,7 @@ def difference(threads: int) -> Difference:
     plan = scenario()
     log = track(LiveRecording(plan, threads), seeds(plan), threads=threads)
     (combo,) = log.combos
-    found = scaled_difference(combo, DetectionConfig())
+    found = scaled_difference(combo, SETTLE_S, partial(repair_slips, window_rows=SLIP_ROWS))
     used = np.isfinite(found.cycles)
     time_s, cycles = combo.time_s[used], -found.cycles[used]
     return Difference(time_s, cycles - cycles[time_s < START_S].mean())

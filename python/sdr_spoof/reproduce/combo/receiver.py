@@ -6,14 +6,13 @@ grows to eta within a second; then it drags code and carrier of B1C at a constan
 
 from __future__ import annotations
 
-import importlib
-import importlib.util
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sdr_spoof import decision, detectors
+from sdr_spoof import detectors
+from sdr_spoof.correlator_level import simulate
 from sdr_spoof.detectors import DetectionConfig
 from sdr_spoof.records import Acquisition, State
 from sdr_spoof.scenario import Scenario, transmissions
@@ -25,7 +24,6 @@ if TYPE_CHECKING:
     from sdr_spoof.records import TrackLog
 
 CORRELATOR, IF = "correlator", "if"
-SIMULATOR = "sdr_spoof.correlator_level"
 GAP_S = 0.1
 """A longer gap between joint epochs is a loss."""
 PRN = 27
@@ -75,18 +73,16 @@ class Run:
 
 
 def methods() -> tuple[Method, ...]:
-    """The published test, its sharper thermal form, and the GLR where it is registered."""
+    """The published test, its sharper thermal form, and the jump-and-slope GLR."""
     base = DetectionConfig(min_cn0_dbhz=LOWEST_DBHZ)
     rate = "phase_difference_rate"
-    found = [
+    return (
         Method(
-            rate, "rate, published law", base.model_copy(update={"threshold_model": "published"})
+            rate, "rate (published law)", base.model_copy(update={"threshold_model": "published"})
         ),
-        Method(rate, "rate, thermal law", base.model_copy(update={"threshold_model": "thermal"})),
-    ]
-    if "phase_difference_glr" in detectors.DETECTORS:
-        found.append(Method("phase_difference_glr", "jump and slope GLR", base))
-    return tuple(found)
+        Method(rate, "rate (thermal law)", base.model_copy(update={"threshold_model": "thermal"})),
+        Method("phase_difference_glr", "jump and slope GLR", base),
+    )
 
 
 def scenario(point: Point, seed: int) -> Scenario:
@@ -129,19 +125,12 @@ def scenario(point: Point, seed: int) -> Scenario:
     )
 
 
-def has_simulator() -> bool:
-    """Whether the correlator-level simulator is there."""
-    return importlib.util.find_spec(SIMULATOR) is not None
-
-
 def received(point: Point, seed: int) -> TrackLog:
     """Tracks of one run at the point's level, by the receiver's own loops."""
     plan = scenario(point, seed)
     if point.level == IF:
         return track(LiveRecording(plan, 1), seeds(plan), LOOPS, threads=1)
-    simulator: Any = importlib.import_module(SIMULATOR)
-    log: TrackLog = simulator.simulate(plan, LOOPS, seed=seed, threads=1)
-    return log
+    return simulate(plan, LOOPS, seed=seed)
 
 
 def seeds(plan: Scenario) -> list[Acquisition]:
@@ -169,12 +158,12 @@ def run(point: Point, seed: int) -> Run:
 
 
 def _alarm_s(log: TrackLog, method: Method) -> float:
-    config = method.config.model_copy(update={"detectors": (method.name,)})
-    for series in detectors.find(method.name).statistics(log, config):
-        decided = decision.find(config.rule)(series, config)
-        if decided is not None:
-            return decided.alarm_s
-    return float("nan")
+    """First test beyond the threshold, as the threshold rule has it; NaN for none."""
+    first_s = np.inf
+    for series in detectors.find(method.name).statistics(log, method.config):
+        beyond = np.abs(series.value) > series.threshold(method.config.false_alarm_probability)
+        first_s = min(first_s, float(np.min(series.time_s[beyond], initial=np.inf)))
+    return first_s if np.isfinite(first_s) else float("nan")
 
 
 def _held(log: TrackLog) -> bool:

@@ -21,38 +21,55 @@ if TYPE_CHECKING:
 
     from .sweep import Result
 
-TICKS_HZ = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
 COLOURS = ("#0072b2", "#009e73", "#cc79a7", "#56b4e9")
 
 
 def draw_detection(results: Sequence[Result]) -> bytes:
-    """Pd and median latency of each method against the drag, and losses of lock; PNG."""
+    """Pd and median latency of each method against the drag, and losses of lock; PNG.
+
+    Slow drags on the left, those of the publication on the right.
+    """
+    first = published.DRAGS_HZ[0]
+    groups = [
+        group
+        for group in (
+            [r for r in results if r.point.drag_hz < first],
+            [r for r in results if r.point.drag_hz >= first],
+        )
+        if group
+    ]
 
     def draw(figure: Figure) -> None:
-        left, right = figure.subplots(1, 2)
-        for axes in (left, right):
-            axes.axvspan(published.DRAGS_HZ[0], published.DRAGS_HZ[-1], color=style.GRID, lw=0)
-            axes.set_xscale("log")
-            axes.set_xlabel("drag f_e (Hz)")
-            axes.set_xticks(TICKS_HZ, [f"{f:g}" for f in TICKS_HZ])
-            axes.minorticks_off()
-            axes.set_xlim(0.9 * results[0].point.drag_hz, 14.0)
-        drags = [r.point.drag_hz for r in results]
-        for number, (method, colour) in enumerate(zip(methods(), COLOURS, strict=False)):
-            _draw_share(left, results, number, colour, method.title)
-            medians = [_median(r.detected(number)) for r in results]
-            right.plot(drags, medians, "o-", ms=4, color=colour)
-        broke = [r.lost / len(r.held) if r.held else np.nan for r in results]
-        left.plot(drags, broke, "x--", color=style.ALARM, label="joint tracking broke")
-        right.plot(drags, [_lost(r) for r in results], "x--", color=style.ALARM)
-        _draw_model(left, drags)
-        left.set(ylabel="share of runs", ylim=(-0.03, 1.03), title="What is detected")
-        right.set(ylabel="median time after the drag's start (s)", title="When")
-        right.set_ylim(bottom=min(0.0, right.get_ylim()[0]))
-        handles, labels = left.get_legend_handles_labels()
+        panels = figure.subplots(2, len(groups), sharey="row", sharex="col", squeeze=False)
+        for column, group in enumerate(groups):
+            share, when = panels[:, column]
+            slow = group[0].point.drag_hz < first
+            _draw_group(share, when, group, slow=slow)
+            share.set_title("slow drags" if slow else "drags of the publication")
+        panels[0, 0].set_ylabel("share of runs")
+        panels[1, 0].set_ylabel("median time after\nthe drag's start (s)")
+        handles, labels = panels[0, -1].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=3)
 
-    return style.png(draw, 9.6, 4.2)
+    return style.png(draw, 9.6, 5.4)
+
+
+def _draw_group(share: Axes, when: Axes, results: Sequence[Result], *, slow: bool) -> None:
+    drags = [r.point.drag_hz for r in results]
+    for number, (method, colour) in enumerate(zip(methods(), COLOURS, strict=False)):
+        _draw_share(share, results, number, colour, method.title)
+        medians = [_median(r.detected(number)) for r in results]
+        when.plot(drags, medians, "o-", ms=4, color=colour)
+    broke = [r.lost / len(r.held) if r.held else np.nan for r in results]
+    share.plot(drags, broke, "x--", color=style.ALARM, label="joint tracking broke")
+    when.plot(drags, [_lost(r) for r in results], "x--", color=style.ALARM)
+    _draw_model(share, drags)
+    share.set_ylim(-0.03, 1.03)
+    when.set_xlabel("drag f_e (Hz)")
+    if slow:
+        when.set_xscale("log")
+        when.set_xticks(drags, [f"{f:g}" for f in drags])
+        when.minorticks_off()
 
 
 def _draw_share(

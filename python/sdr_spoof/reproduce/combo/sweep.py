@@ -48,6 +48,10 @@ class Result:
         found = [r.latency_s[method] for r in self.held if not r.early[method]]
         return [latency for latency in found if np.isfinite(latency)]
 
+    def alarmed(self, method: int) -> int:
+        """Held runs in which one method alarmed at any time."""
+        return sum(r.early[method] or bool(np.isfinite(r.latency_s[method])) for r in self.held)
+
     def tested(self, method: int) -> int:
         """Runs that one method could detect: held, and no false alarm before."""
         return sum(not r.early[method] for r in self.held)
