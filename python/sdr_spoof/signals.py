@@ -60,6 +60,11 @@ def signal_spec(signal: str) -> SignalSpec:
     return SignalSpec(**{**values, "prns": tuple(values["prns"])})
 
 
+def coherent_pairs() -> tuple[tuple[str, str], ...]:
+    """Pairs of signals with coherent carriers, which are tracked as one by default."""
+    return tuple(_core.signal_pairs())
+
+
 def components(name: str) -> list[str]:
     """Components of a composite signal (``B1C`` -> B1CD, B1CP), or the one signal so named.
 

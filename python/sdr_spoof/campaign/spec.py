@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from sdr_spoof.errors import ConfigError
-from sdr_spoof.scenario.load import builtin_names, builtin_path
+from sdr_spoof.scenario.load import scenario_names, scenario_path
 from sdr_spoof.validation import in_file, load_toml, validated
 
 _CONFIG = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -183,15 +183,15 @@ def _scenario(path: Path, given: Any) -> dict[str, Any]:
     if given is None:
         raise ConfigError(
             f"{path}: scenario: missing; name a file or a built-in scenario "
-            f"({', '.join(builtin_names())}) above the first table, or add a table [scenario]"
+            f"({', '.join(scenario_names())}) above the first table, or add a table [scenario]"
         )
-    if given in builtin_names():
-        return load_toml(builtin_path(given))
+    if given in scenario_names():
+        return load_toml(scenario_path(given))
     beside = path.parent / str(given)
     if not beside.is_file():
         raise ConfigError(
             f"{path}: scenario: '{given}' is neither a file ({beside}) nor a built-in scenario; "
-            f"built-in are {', '.join(builtin_names())}"
+            f"built-in are {', '.join(scenario_names())}"
         )
     return load_toml(beside)
 
