@@ -61,17 +61,17 @@ def row_of(rows: list[dict[str, Any]], **values: Any) -> dict[str, Any]:
 
 def test_detection() -> None:
     rows = detection_table(by_hand(), trials(by_hand()))
-    slow = row_of(rows, point=0, attack="induced", detector="glr")
+    slow = row_of(rows, point=0, what="induced", detector="glr")
     assert (slow["rate"], slow["alarm_trials"], slow["alarm_count"]) == (0.5, 4, 2)
     assert slow["alarm"] == 0.5
     assert slow["early_count"] == 1  # at 0.5 s, before the attack
     assert slow["median_on_air_s"] == pytest.approx((3.0 + 1.5) / 2)
     assert slow["median_drag_s"] == pytest.approx((1.0 - 0.5) / 2)
-    fast = row_of(rows, point=1, attack="induced", detector="glr")
+    fast = row_of(rows, point=1, what="induced", detector="glr")
     assert (fast["alarm_trials"], fast["alarm_count"]) == (3, 3)  # the failed run does not count
-    clean = row_of(rows, point=1, attack="", detector="glr")
+    clean = row_of(rows, point=1, what="", detector="glr")
     assert (clean["alarm_trials"], clean["alarm_count"], clean["hostile"]) == (3, 1, False)
-    fused = row_of(rows, point=0, attack="induced", detector="verdict")
+    fused = row_of(rows, point=0, what="induced", detector="verdict")
     assert fused["alarm_count"] == 2
 
 
@@ -86,17 +86,17 @@ def test_latency() -> None:
 
 def test_coverage_by_kind_by_label_and_of_multipath() -> None:
     (row,) = [r for r in coverage_table(by_hand(), trials(by_hand())) if r["detector"] == "glr"]
-    assert (row["attack"], row["alarm_trials"], row["alarm_count"]) == ("induced", 7, 5)
+    assert (row["what"], row["alarm_trials"], row["alarm_count"]) == ("induced", 7, 5)
     table = by_hand(rate=np.repeat(["slow", "fast"], 4))
     axis = {"key": "scenario.attack", "name": "rate", "labels": ["slow", "fast"]}
     labelled = Table(table.axes, table.columns, False, {**table.spec, "sweep": [axis]})
     rows = coverage_table(labelled, trials(labelled))
-    assert [r["attack"] for r in rows if r["detector"] == "glr"] == ["slow", "fast"]
+    assert [r["what"] for r in rows if r["detector"] == "glr"] == ["slow", "fast"]
     kinds = np.array(["induced"] * 4 + ["multipath"] * 3 + [""])
     hostile = np.array([1] * 4 + [0] * 3 + [-1], np.int8)
     mixed = by_hand(**{"C27.attack": kinds, "C27.hostile": hostile})
     rows = coverage_table(mixed, trials(mixed))
-    assert [(r["attack"], r["hostile"]) for r in rows if r["detector"] == "glr"] == [
+    assert [(r["what"], r["hostile"]) for r in rows if r["detector"] == "glr"] == [
         ("induced", True),
         ("multipath", False),
     ]
@@ -127,7 +127,7 @@ def test_columns_that_were_not_kept() -> None:
     table = by_hand()
     kept = {n: c for n, c in table.columns.items() if not n.endswith(("alarm_s", "score"))}
     few = Table(table.axes, kept, False, table.spec)
-    row = row_of(detection_table(few, trials(few)), point=0, attack="induced", detector="glr")
+    row = row_of(detection_table(few, trials(few)), point=0, what="induced", detector="glr")
     assert row["alarm_count"] == 3
     assert np.isnan(row["median_on_air_s"])
     assert roc_table(few, trials(few)) == []
@@ -145,7 +145,7 @@ def test_files(tmp_path: Path) -> None:
     with (tmp_path / "detection.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 8
-    assert [r["median_on_air_s"] for r in rows if r["point"] == "0" and not r["attack"]] == ["", ""]
+    assert [r["median_on_air_s"] for r in rows if r["point"] == "0" and not r["what"]] == ["", ""]
     before = (tmp_path / "roc.png").read_bytes()
     write_analysis(tmp_path, by_hand())
     assert (tmp_path / "roc.png").read_bytes() == before

@@ -148,9 +148,9 @@ def _parts(trials: Trials) -> Iterator[Trials]:
 
 
 def _named(part: Trials) -> dict[str, Any]:
-    """What a part of the trials has in common."""
+    """What a part of the trials has in common: what happens to the satellite, and the detector."""
     attack, hostile = str(part.attack[0]), bool(part.hostile[0])
-    return {"attack": attack, "hostile": hostile, "detector": str(part.detector[0])}
+    return {"what": attack, "hostile": hostile, "detector": str(part.detector[0])}
 
 
 def _share(name: str, hits: NDArray[np.bool_]) -> dict[str, Any]:

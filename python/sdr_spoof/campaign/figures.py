@@ -48,8 +48,9 @@ def detection_figure(path: Path, rows: Rows, axes_names: Sequence[str], title: s
     if along is None:
         return False
     others = [name for name in axes_names if name != along]
-    if len({row["attack"] for row in rows if row["hostile"]}) > 1:
-        others.append("attack")
+    kinds = {(row["point"], row["what"]) for row in rows if row["hostile"]}
+    if len(kinds) > len({point for point, _ in kinds}):
+        others.append("what")
     hostile = [row for row in rows if row["hostile"]]
     what = "probability of detection" if hostile else "share of alarms"
     rows = hostile or rows
@@ -75,12 +76,12 @@ def coverage_figure(path: Path, rows: Rows, title: str) -> bool:
 
     What is no attack is named in brackets: there an alarm is a false one.
     """
-    rows = [row if row["hostile"] else {**row, "attack": f"({row['attack']})"} for row in rows]
-    attacks = list(dict.fromkeys(row["attack"] for row in rows))
+    rows = [row if row["hostile"] else {**row, "what": f"({row['what']})"} for row in rows]
+    attacks = list(dict.fromkeys(row["what"] for row in rows))
     detectors = list(dict.fromkeys(row["detector"] for row in rows))
     if not attacks:
         return False
-    cells = {(row["attack"], row["detector"]): row for row in rows}
+    cells = {(row["what"], row["detector"]): row for row in rows}
     shares = np.full((len(attacks), len(detectors)), np.nan)
     for (attack, detector), row in cells.items():
         shares[attacks.index(attack), detectors.index(detector)] = row["alarm"]

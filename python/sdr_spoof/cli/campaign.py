@@ -109,15 +109,15 @@ def _print_table(console: Console, plan: Plan, rows: list[dict[str, Any]]) -> No
     """One line per point, attack and detector; without attacks, of the others."""
     axes = [name for name, _ in plan.points[0].values]
     rows = [row for row in rows if row["hostile"]] or rows
-    names = (*axes, "attack", "detector", "alarms", "95 %", "after the start")
-    made = tables.table("Alarms", *names, left=["attack", "detector"])
+    names = (*axes, "what", "detector", "alarms", "95 %", "after the start")
+    made = tables.table("Alarms", *names, left=[*axes, "what", "detector"])
     for column in made.columns:
         column.no_wrap = True
     for row in rows[:_MOST_ROWS]:
         latency = row["median_on_air_s"]
         made.add_row(
             *(_cell(row[name]) for name in axes),
-            *(row["attack"] or "none", row["detector"], f"{row['alarm']:.3f}"),
+            *(row["what"] or "nothing", row["detector"], f"{row['alarm']:.3f}"),
             f"{row['alarm_low']:.3f}-{row['alarm_high']:.3f}",
             "" if math.isnan(latency) else f"{latency:.2f} s",
         )
