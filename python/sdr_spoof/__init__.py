@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from .detectors import DetectionConfig
     from .errors import ConfigError, OutputError, RecordingError, SdrSpoofError, SignalError
     from .info import inspect
+    from .isolation import Isolation
     from .pipeline import process
     from .records import Acquisition, ComboTrack, SignalTrack, State, TrackLog, Verdict
     from .report import write_report
@@ -43,6 +44,7 @@ __all__ = [
     "Config",
     "ConfigError",
     "DetectionConfig",
+    "Isolation",
     "OutputError",
     "Recording",
     "RecordingError",
@@ -80,6 +82,7 @@ _HOMES = {
     "detectors": ("DetectionConfig",),
     "errors": ("ConfigError", "OutputError", "RecordingError", "SdrSpoofError", "SignalError"),
     "info": ("inspect",),
+    "isolation": ("Isolation",),
     "pipeline": ("process",),
     "records": ("Acquisition", "ComboTrack", "SignalTrack", "State", "TrackLog", "Verdict"),
     "report": ("write_report",),
