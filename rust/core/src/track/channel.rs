@@ -265,9 +265,10 @@ impl Joint {
         let rates = self
             .code
             .update(errors_s, of(&|s, _| s.code_variance_s2(interval_s)));
+        let locks = of(&|s, _| s.lock.phase());
         for (i, sideband) in sidebands.iter_mut().enumerate() {
             let code_rate = rates[i] * sideband.spec.chip_rate_hz;
-            sideband.close_joint(epochs[i], &steering, i, code_rate);
+            sideband.close_joint(epochs[i], &steering, i, code_rate, locks[1 - i]);
         }
     }
 }
