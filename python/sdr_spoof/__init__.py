@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from .pipeline import process
     from .records import Acquisition, ComboTrack, SignalTrack, State, TrackLog, Verdict
     from .report import write_report
-    from .scenario import load_scenario, synthesize
+    from .scenario import find_scenario, load_scenario, synthesize
     from .signals import signal_ids, signal_spec
     from .sinks.hdf5 import Result, read_result, write_result
     from .sources import Recording, RecordingFormat, open_recording
@@ -59,6 +59,7 @@ __all__ = [
     "Verdict",
     "acquire",
     "detect",
+    "find_scenario",
     "inspect",
     "load_config",
     "load_scenario",
@@ -85,7 +86,7 @@ _HOMES = {
     "pipeline": ("process",),
     "records": ("Acquisition", "ComboTrack", "SignalTrack", "State", "TrackLog", "Verdict"),
     "report": ("write_report",),
-    "scenario": ("load_scenario", "synthesize"),
+    "scenario": ("find_scenario", "load_scenario", "synthesize"),
     "signals": ("signal_ids", "signal_spec"),
     "sinks.hdf5": ("Result", "read_result", "write_result"),
     "sources": ("Recording", "RecordingFormat", "open_recording"),

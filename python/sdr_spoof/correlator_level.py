@@ -66,7 +66,7 @@ def simulate(
         plan = scenario.recording.model_copy(update={"seed": seed})
         scenario = scenario.model_copy(update={"recording": plan})
     plan = scenario.recording
-    simulator = _simulator(scenario, config or TrackingConfig(), threads)
+    simulator = core_simulator(scenario, config or TrackingConfig(), threads)
     rows = RowStore(rows_in)
     step = max(1, round(_ROWS_S * plan.sample_rate_hz))
     marks = isolation_marks(isolations, plan.sample_rate_hz)
@@ -87,7 +87,8 @@ def simulate(
     )
 
 
-def _simulator(scenario: Scenario, config: TrackingConfig, threads: int) -> _core.Simulator:
+def core_simulator(scenario: Scenario, config: TrackingConfig, threads: int) -> _core.Simulator:
+    """The core's part, which runs as far as it is told to and hands its rows out."""
     plan, on_air = scenario.recording, transmissions(scenario)
     try:
         return _core.Simulator(

@@ -220,6 +220,8 @@ class Alarm:
     """RINEX system letter of the satellite."""
     log10_p: float = 0.0
     """log10 of the probability that noise alone reaches the statistic in one test, clipped."""
+    quantity: str = ""
+    """What was measured, where the detector measures several things."""
 
 
 @dataclass(frozen=True)
@@ -228,11 +230,23 @@ class SatelliteVerdict:
 
     prn: int
     verdict: str
-    """'clean', 'spoofed' or 'not enough support'."""
+    """'clean', 'suspect', 'spoofed' or 'not enough support'."""
     alarms: tuple[Alarm, ...]
     reason: str
     system: str = "C"
     """RINEX system letter of the satellite."""
+    onset_s: float | None = None
+    """Start of what the verdict rests on; None without an alarm."""
+    band: str | None = None
+    """Signal that was captured, by all evidence; None where it cannot be told."""
+    band_confidence: float | None = None
+    """Probability that it is this band rather than another of the satellite."""
+    confidence: float | None = None
+    """One minus the probability that noise alone raises such an alarm in all that was tested."""
+    action: str = ""
+    """What to do with the satellite, in words."""
+    fallback: str | None = None
+    """Signal that can still be used where another was captured."""
 
 
 @dataclass(frozen=True)
@@ -243,3 +257,8 @@ class Verdict:
     satellites: tuple[SatelliteVerdict, ...]
     limits: str
     """In words, what these detectors cannot see."""
+
+    @property
+    def suspect(self) -> bool:
+        """Whether any satellite is under suspicion without being called spoofed."""
+        return any(s.verdict == "suspect" for s in self.satellites)
