@@ -79,7 +79,7 @@ class DetectionConfig(BaseModel):
         description="Signal before a window from which level and noise are measured, in s.",
     )
     phase_difference_glr_drift_hz: float = Field(
-        1e-4,
+        5e-5,
         ge=0.0,
         description="Innocent drift of the phase difference (ionosphere, inter-band bias), in Hz.",
     )
