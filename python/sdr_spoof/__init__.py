@@ -22,13 +22,15 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .acquisition import AcquisitionConfig, acquire
     from .config import Config, load_config
+    from .correlator_level import simulate
     from .detectors import DetectionConfig
     from .errors import ConfigError, OutputError, RecordingError, SdrSpoofError, SignalError
     from .info import inspect
+    from .isolation import Isolation
     from .pipeline import process
     from .records import Acquisition, ComboTrack, SignalTrack, State, TrackLog, Verdict
     from .report import write_report
-    from .scenario import load_scenario, synthesize
+    from .scenario import find_scenario, load_scenario, synthesize
     from .signals import signal_ids, signal_spec
     from .sinks.hdf5 import Result, read_result, write_result
     from .sources import Recording, RecordingFormat, open_recording
@@ -42,6 +44,7 @@ __all__ = [
     "Config",
     "ConfigError",
     "DetectionConfig",
+    "Isolation",
     "OutputError",
     "Recording",
     "RecordingError",
@@ -56,6 +59,7 @@ __all__ = [
     "Verdict",
     "acquire",
     "detect",
+    "find_scenario",
     "inspect",
     "load_config",
     "load_scenario",
@@ -64,6 +68,7 @@ __all__ = [
     "read_result",
     "signal_ids",
     "signal_spec",
+    "simulate",
     "synthesize",
     "track",
     "write_report",
@@ -73,13 +78,15 @@ __all__ = [
 _HOMES = {
     "acquisition": ("AcquisitionConfig", "acquire"),
     "config": ("Config", "load_config"),
+    "correlator_level": ("simulate",),
     "detectors": ("DetectionConfig",),
     "errors": ("ConfigError", "OutputError", "RecordingError", "SdrSpoofError", "SignalError"),
     "info": ("inspect",),
+    "isolation": ("Isolation",),
     "pipeline": ("process",),
     "records": ("Acquisition", "ComboTrack", "SignalTrack", "State", "TrackLog", "Verdict"),
     "report": ("write_report",),
-    "scenario": ("load_scenario", "synthesize"),
+    "scenario": ("find_scenario", "load_scenario", "synthesize"),
     "signals": ("signal_ids", "signal_spec"),
     "sinks.hdf5": ("Result", "read_result", "write_result"),
     "sources": ("Recording", "RecordingFormat", "open_recording"),

@@ -3,21 +3,31 @@
 For files only: nothing here drives a transmitter.
 """
 
+from .attack import Asynchronous, InducedAttack, Meaconing, Multipath, Ray
 from .emitters import Transmission, transmissions
-from .load import builtin_scenario, load_scenario
-from .model import InducedAttack, RecordingPlan, Satellite, Scenario
+from .load import builtin_scenario, find_scenario, load_scenario, scenario_names
+from .model import Scenario
+from .recording_plan import RecordingPlan
+from .satellite import Satellite
 from .synthesis import open_synthesizer, synthesize, truth_path
-from .truth import truth
+from .truth import attack_timelines, truth
 
 __all__ = [
+    "Asynchronous",
     "InducedAttack",
+    "Meaconing",
+    "Multipath",
+    "Ray",
     "RecordingPlan",
     "Satellite",
     "Scenario",
     "Transmission",
+    "attack_timelines",
     "builtin_scenario",
+    "find_scenario",
     "load_scenario",
     "open_synthesizer",
+    "scenario_names",
     "synthesize",
     "transmissions",
     "truth",

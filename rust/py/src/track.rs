@@ -31,7 +31,7 @@ fn target((signal, prn, sample, doppler_hz, code_delay_s): TargetTuple) -> Targe
 }
 
 /// Reads every field of the core's configuration from a dict.
-fn config(values: &Bound<'_, PyDict>) -> PyResult<TrackConfig> {
+pub(crate) fn config(values: &Bound<'_, PyDict>) -> PyResult<TrackConfig> {
     fn get<'py, T: FromPyObject<'py>>(values: &Bound<'py, PyDict>, key: &str) -> PyResult<T> {
         values.as_any().get_item(key)?.extract()
     }
@@ -42,10 +42,12 @@ fn config(values: &Bound<'_, PyDict>) -> PyResult<TrackConfig> {
         dll_bandwidth_hz: get(values, "dll_bandwidth_hz")?,
         main_bandwidth_hz: get(values, "main_bandwidth_hz")?,
         subcarrier_bandwidth_hz: get(values, "subcarrier_bandwidth_hz")?,
+        code_bias_bandwidth_hz: get(values, "code_bias_bandwidth_hz")?,
         integration_ms: get(values, "integration_ms")?,
         cn0_min_dbhz: get(values, "cn0_min_dbhz")?,
         qmboc: get(values, "qmboc")?,
         combo: get(values, "combo")?,
+        pairs: get(values, "pairs")?,
         data_component: get(values, "data_component")?,
     })
 }
@@ -107,27 +109,53 @@ impl Tracker {
         self.0.restart(&target(seed)).map_err(to_py)
     }
 
+    /// Marks a signal as captured: its pair is parted, both go on by themselves.
+    fn isolate(&mut self, system: char, prn: u16, signal: &str) -> PyResult<()> {
+        self.0.isolate(system, prn, signal).map_err(to_py)
+    }
+
+    /// Takes such marks of a satellite away.
+    fn rejoin(&mut self, system: char, prn: u16) -> PyResult<()> {
+        self.0.rejoin(system, prn).map_err(to_py)
+    }
+
     /// Rows recorded since the last call: one dict per signal.
     fn take_signals<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
-        let list = PyList::empty(py);
-        for channel in self.0.channels_mut() {
-            for sideband in &mut channel.sidebands {
-                list.append(signal_rows(py, channel.prn, sideband)?)?;
-            }
-        }
-        Ok(list)
+        all_signal_rows(py, self.0.channels_mut())
     }
 
     /// Rows recorded since the last call: one dict per satellite with two sidebands.
     fn take_combos<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
-        let list = PyList::empty(py);
-        for channel in self.0.channels_mut() {
-            if channel.sidebands.len() == 2 {
-                list.append(combo_rows(py, channel)?)?;
-            }
-        }
-        Ok(list)
+        all_combo_rows(py, self.0.channels_mut())
     }
+}
+
+/// What channels recorded since the last call: one dict per signal.
+pub(crate) fn all_signal_rows<'a, 'py>(
+    py: Python<'py>,
+    channels: impl IntoIterator<Item = &'a mut Channel>,
+) -> PyResult<Bound<'py, PyList>> {
+    let list = PyList::empty(py);
+    for channel in channels {
+        for sideband in &mut channel.sidebands {
+            list.append(signal_rows(py, channel.prn, sideband)?)?;
+        }
+    }
+    Ok(list)
+}
+
+/// What channels recorded since the last call: one dict per satellite with two sidebands.
+pub(crate) fn all_combo_rows<'a, 'py>(
+    py: Python<'py>,
+    channels: impl IntoIterator<Item = &'a mut Channel>,
+) -> PyResult<Bound<'py, PyList>> {
+    let list = PyList::empty(py);
+    for channel in channels {
+        if channel.sidebands.len() == 2 {
+            list.append(combo_rows(py, channel)?)?;
+        }
+    }
+    Ok(list)
 }
 
 /// Fills a dict with a column of each named field; the columns move to Python without a copy.
@@ -179,6 +207,11 @@ fn combo_rows<'py>(py: Python<'py>, channel: &mut Channel) -> PyResult<Bound<'py
         state,
         phase_lower_cycles,
         phase_upper_cycles,
+        main_phase_cycles,
+        subcarrier_phase_cycles,
+        subcarrier_range_m,
+        code_delay_lower_s,
+        code_delay_upper_s,
         cn0_lower_dbhz,
         cn0_upper_dbhz,
         code_difference_s,
