@@ -72,6 +72,7 @@ def statistic(
         config.code_difference_windows_s,
         config.code_difference_reference_s,
         config.code_difference_drift_m_s,
+        config,
     )
     return jump_slope.series(
         rows,

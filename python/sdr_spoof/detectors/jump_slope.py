@@ -21,8 +21,10 @@ less: with an excess kurtosis k of a row, the density of a sum over n rows at th
 larger by exp(K z^4 / 24), K = k sum(w^4) / sum(w^2)^2 (Edgeworth), so that z counts as
 z sqrt(1 - K z^2 / 12). ``TAIL`` k / n stands for K.
 
-An innocent drift of the level up to ``drift`` is taken off both measurements before they are
-squared: this can only make T smaller.
+What is innocent is taken off both measurements before they are squared, which can only make T
+smaller: a drift of the level up to ``drift``, and any course within a band of width ``wander``
+(multipath): its mean over a window differs from that before by no more than the width, and its
+slope over a window of length W is at most 3 / 2 of the width over W (a step in the middle).
 """
 
 from __future__ import annotations
@@ -57,6 +59,8 @@ class Plan:
     """Rows in which the noise is measured about a line of its own."""
     drift: float
     """Innocent drift of the level, in its unit per second."""
+    wander: float = 0.0
+    """Width of the band within which the level may innocently go to and fro."""
 
     @classmethod
     def of(
@@ -66,12 +70,13 @@ class Plan:
         reference_s: tuple[float, float],
         group_s: float,
         drift: float,
+        wander: float = 0.0,
     ) -> Plan:
         """From lengths in s; ``reference_s`` is the least and the longest."""
         group = max(round(group_s / step_s), 5)
         least, longest = (max(round(s / step_s), 5 * group) for s in reference_s)
         windows = tuple(sorted({max(round(w / step_s), 3) for w in windows_s}))
-        return cls(step_s, windows, max(least, longest), least, group, drift)
+        return cls(step_s, windows, max(least, longest), least, group, drift, wander)
 
     @property
     def shortest(self) -> int:
@@ -201,8 +206,11 @@ def _window(
     slope = sliding_slope(level, window, plan.step_s)[start]
     end_sign = np.sign(jump + slope * (0.5 * window * plan.step_s))
     lever_s = 0.5 * (window + reference) * plan.step_s
-    jump_energy = _beyond(jump, plan.drift * lever_s) / (1.0 / window + 1.0 / reference)
-    slope_energy = _beyond(slope, plan.drift) * (window * (window**2 - 1.0) / 12.0 * plan.step_s**2)
+    jump_allowed = plan.drift * lever_s + plan.wander
+    slope_allowed = plan.drift + 1.5 * plan.wander / (window * plan.step_s)
+    jump_energy = _beyond(jump, jump_allowed) / (1.0 / window + 1.0 / reference)
+    slope_energy = _beyond(slope, slope_allowed) * (window * (window**2 - 1.0) / 12.0)
+    slope_energy *= plan.step_s**2
     with np.errstate(divide="ignore", invalid="ignore"):
         energy = (jump_energy + slope_energy) / variance
         log_p = -0.5 * freedom * np.log1p(energy / freedom)
