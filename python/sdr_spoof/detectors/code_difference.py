@@ -82,6 +82,6 @@ def statistic(
         detector=NAME,
         system=_core.signal_spec(track.upper)["system"],
         prn=track.prn,
-        trace_unit="m",
+        trace_unit="code delay, upper minus lower band, m",
         notes=code_blocks.notes(rows, plan),
     )

@@ -98,7 +98,7 @@ def statistic(
         detector=NAME,
         system=_system(track.signal),
         prn=track.prn,
-        trace_unit="m",
+        trace_unit="code minus carrier, m",
         notes=code_blocks.notes(rows, plan),
         signal=track.signal,
     )

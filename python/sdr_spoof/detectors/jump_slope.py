@@ -200,9 +200,9 @@ def _window(
     start = np.arange(plan.least_reference, level.size - window + 1)
     reference = np.minimum(start, plan.reference)
     before = (sums[0][start] - sums[0][start - reference]) / reference
-    expected = (sums[1][start + window] - sums[1][start]) / window
+    mean, expected = ((s[start + window] - s[start]) / window for s in sums)
     variance, freedom = noise.before(start, expected)
-    jump = sliding_mean(level, window)[start] - before
+    jump = mean - before
     slope = sliding_slope(level, window, plan.step_s)[start]
     end_sign = np.sign(jump + slope * (0.5 * window * plan.step_s))
     lever_s = 0.5 * (window + reference) * plan.step_s

@@ -93,7 +93,7 @@ def statistic(
         detector=NAME,
         system=_core.signal_spec(track.upper)["system"],
         prn=track.prn,
-        trace_unit="cycles at the upper carrier",
+        trace_unit="scaled phase difference, cycles at the upper carrier",
         notes=_notes(difference, plan),
     )
 
