@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .acquisition import AcquisitionConfig, acquire
     from .config import Config, load_config
+    from .correlator_level import simulate
     from .detectors import DetectionConfig
     from .errors import ConfigError, OutputError, RecordingError, SdrSpoofError, SignalError
     from .info import inspect
@@ -64,6 +65,7 @@ __all__ = [
     "read_result",
     "signal_ids",
     "signal_spec",
+    "simulate",
     "synthesize",
     "track",
     "write_report",
@@ -73,6 +75,7 @@ __all__ = [
 _HOMES = {
     "acquisition": ("AcquisitionConfig", "acquire"),
     "config": ("Config", "load_config"),
+    "correlator_level": ("simulate",),
     "detectors": ("DetectionConfig",),
     "errors": ("ConfigError", "OutputError", "RecordingError", "SdrSpoofError", "SignalError"),
     "info": ("inspect",),

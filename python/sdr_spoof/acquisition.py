@@ -55,7 +55,8 @@ class AcquisitionConfig(BaseModel):
         default=20,
         ge=1,
         le=1000,
-        description="non-coherent sums of one code period for codes of 1 ms (B1I, L1CA)",
+        description="non-coherent sums of one code period for codes of 1 ms (B1I, L1CA, E5AQ, "
+        "E5BQ)",
     )
     blocks_long: int = Field(
         default=5,

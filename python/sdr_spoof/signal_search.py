@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from .sources.source import Source
 
 _PRNS_AT_ONCE = 8
-_WORK_AT_ONCE = 50.0
-"""Doppler bins times seconds of samples: a quarter of a second on one core."""
+_WORK_AT_ONCE = 2e8
+"""Doppler bins times samples of the search: a quarter of a second on one core."""
 _STRONG = 2.0
 """A statistic of this many thresholds is beyond what cross-correlation makes of one's equals."""
 _CLOSE = 10**-1.2
@@ -90,8 +90,8 @@ class SignalSearch:
         except ValueError as error:
             raise RecordingError(f"{plan.signal}: {error}") from error
         widest = max(high - low + 1 for low, high in ranges.values())
-        work = widest * plan.blocks * plan.period_s
-        self._at_once = max(1, min(_PRNS_AT_ONCE, int(_WORK_AT_ONCE / work)))
+        samples = plan.blocks * plan.period_s * _core.search_rate_hz(plan.signal)
+        self._at_once = max(1, min(_PRNS_AT_ONCE, int(_WORK_AT_ONCE / (widest * samples))))
         self._correlation = tuple(_core.search_peak_shape(plan.signal, [1.0, 2.0, 3.0])[1])
 
     def run(self, report: Callable[[int], None]) -> list[Acquisition]:

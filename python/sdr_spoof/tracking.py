@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from .progress import Progress
+    from .sources import RecordingFormat
     from .sources.source import Source
 
 BLOCK_BYTES = 8 << 20
@@ -167,9 +168,7 @@ def _tracker(
     threads: int,
 ) -> _core.Tracker:
     form = recording.format
-    values: dict[str, Any] = config.model_dump(exclude={"reacquire"})
-    if values["qmboc"] is None:
-        values["qmboc"] = _holds_qmboc(recording)
+    values = core_settings(config, form)
     try:
         return _core.Tracker(
             form.sample_format,
@@ -186,9 +185,16 @@ def _tracker(
         raise ConfigError(str(error)) from error
 
 
-def _holds_qmboc(recording: Source) -> bool:
+def core_settings(config: TrackingConfig, form: RecordingFormat) -> dict[str, Any]:
+    """Settings as the core takes them, with what depends on the recorded band."""
+    values: dict[str, Any] = config.model_dump(exclude={"reacquire"})
+    if values["qmboc"] is None:
+        values["qmboc"] = _holds_qmboc(form)
+    return values
+
+
+def _holds_qmboc(form: RecordingFormat) -> bool:
     """Whether the recorded band reaches the BOC(6,1) lobes of the B1C pilot."""
-    form = recording.format
     offset = abs(signal_spec("B1CP").carrier_hz - form.lo_hz)
     low, high = (edge - form.lo_hz for edge in form.band_hz)
     if form.bandwidth_hz is not None:

@@ -49,7 +49,9 @@ def validated(
     try:
         return model.model_validate(values)
     except ValidationError as error:
-        lines = [f"{where(e['loc'])}: {_message(e, model)}" for e in error.errors()]
+        lines = [
+            f"{where(_walk(model, e['loc'])[1])}: {_message(e, model)}" for e in error.errors()
+        ]
         raise ConfigError("\n".join(lines)) from error
 
 
@@ -79,6 +81,9 @@ def _message(error: ErrorDetails, model: type[BaseModel]) -> str:
     if error["type"] == "extra_forbidden":
         *tables, key = error["loc"]
         return unknown_key(str(key), _fields_at(model, tuple(tables)))
+    if error["type"] == "union_tag_invalid":
+        tag, known = error["ctx"]["tag"], error["ctx"]["expected_tags"]
+        return f"unknown kind '{tag}'; known kinds: {known}"
     if error["type"] == "missing":
         return "missing; this value is required"
     if error["type"] == "value_error":
@@ -96,19 +101,33 @@ def unknown_key(key: str, known: list[str]) -> str:
 
 def _fields_at(model: type[BaseModel], location: Location) -> list[str]:
     """Field names of the model found by walking down ``location``."""
-    current: Any = model
+    current, _ = _walk(model, location)
+    return [] if current is None else sorted(current.model_fields)
+
+
+def _walk(model: type[BaseModel], location: Location) -> tuple[type[BaseModel] | None, Location]:
+    """The model at the end of a location, and the location without the tags of unions.
+
+    pydantic names the member of a union by its tag, its ``kind``, which no file holds as a table.
+    """
+    current: type[BaseModel] | None = model
+    members: dict[Any, type[BaseModel]] = {}
+    plain: list[str | int] = []
     for step in location:
-        field = current.model_fields.get(step) if isinstance(step, str) else None
+        if step in members:
+            current, members = members[step], {}
+            continue
+        plain.append(step)
+        field = current.model_fields.get(step) if current and isinstance(step, str) else None
         if field is not None:
-            current = _inner_model(field.annotation)
-        if current is None:
-            return []
-    return sorted(current.model_fields)
+            inner = _inner_models(field.annotation)
+            current = inner[0] if inner else None
+            members = {m.model_fields["kind"].default: m for m in inner} if len(inner) > 1 else {}
+    return current, tuple(plain)
 
 
-def _inner_model(annotation: Any) -> type[BaseModel] | None:
-    """First pydantic model inside an annotation such as ``list[Model]`` or ``Model | None``."""
+def _inner_models(annotation: Any) -> list[type[BaseModel]]:
+    """pydantic models inside an annotation such as ``list[Model]`` or ``Model | None``."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return annotation
-    inner = (_inner_model(a) for a in getattr(annotation, "__args__", ()))
-    return next((m for m in inner if m is not None), None)
+        return [annotation]
+    return [m for a in getattr(annotation, "__args__", ()) for m in _inner_models(a)]

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from sdr_spoof.errors import ConfigError, OutputError
-from sdr_spoof.signals import components, signal_ids
+from sdr_spoof.signals import components, signal_ids, signal_spec
 from sdr_spoof.sources import Recording, RecordingFormat, open_recording
 
 _FORMAT_PREFIX = "format:"
@@ -69,7 +69,8 @@ def signals_from(arguments: argparse.Namespace, recording: Recording) -> list[st
     """
     if arguments.signals is None:
         if not recording.signals():
-            recording.check_signal(signal_ids()[-1])  # raises, and says why
+            # The signal that asks for least: it raises, and says why.
+            recording.check_signal(min(signal_ids(), key=_half_bandwidth_hz))
         return None
     names = [name.strip() for name in arguments.signals.split(",") if name.strip()]
     if not names:
@@ -78,6 +79,10 @@ def signals_from(arguments: argparse.Namespace, recording: Recording) -> list[st
     for signal in chosen:
         recording.check_signal(signal)
     return chosen
+
+
+def _half_bandwidth_hz(signal: str) -> float:
+    return signal_spec(signal).min_half_bandwidth_hz
 
 
 def prns_from(arguments: argparse.Namespace) -> list[int] | None:

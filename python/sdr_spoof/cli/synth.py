@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import options
+from sdr_spoof.errors import ConfigError
+
+from . import options, tables
 from .command import Command, Outcome
 
 if TYPE_CHECKING:
@@ -17,17 +18,51 @@ if TYPE_CHECKING:
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("scenario", type=Path, metavar="SCENARIO.toml", help="what is transmitted")
-    options.add_output(
-        parser, "recording to write: <PATH>.sigmf-data, -meta and .truth.json", required=True
+    parser.add_argument(
+        "scenario",
+        nargs="?",
+        metavar="SCENARIO",
+        help="what is transmitted: a TOML file, or the name of a scenario that --list shows",
     )
+    parser.add_argument(
+        "--list", action="store_true", help="list the scenarios that come with the package"
+    )
+    parser.add_argument(
+        "--speed-up",
+        type=float,
+        metavar="N",
+        help="divide all times and durations by N; rates, powers and offsets stay",
+    )
+    options.add_output(parser, "recording to write: <PATH>.sigmf-data, -meta and .truth.json")
     options.add_threads(parser)
 
 
 def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
-    from sdr_spoof.scenario import load_scenario, synthesize, truth_path  # noqa: PLC0415
+    if arguments.list:
+        return _list()
+    for name, value in (("SCENARIO", arguments.scenario), ("--output", arguments.output)):
+        if value is None:
+            raise ConfigError(f"{name}: missing; give it, or --list to see what there is")
+    return _synthesize(arguments, ui)
 
-    scenario = load_scenario(arguments.scenario)
+
+def _list() -> Outcome:
+    from sdr_spoof.scenario import builtin_names, builtin_scenario  # noqa: PLC0415
+
+    shipped = {name: builtin_scenario(name) for name in builtin_names()}
+    rows = [
+        {"name": name, "title": s.title, "duration_s": s.recording.duration_s}
+        for name, s in shipped.items()
+    ]
+    return Outcome({"scenarios": rows}, lambda console: console.print(tables.scenarios(rows)))
+
+
+def _synthesize(arguments: argparse.Namespace, ui: Ui) -> Outcome:
+    from sdr_spoof.scenario import find_scenario, synthesize, truth_path  # noqa: PLC0415
+
+    scenario = find_scenario(arguments.scenario)
+    if arguments.speed_up is not None:
+        scenario = scenario.sped_up(arguments.speed_up)
     with ui.stages("Synthesising") as progress:
         meta = synthesize(
             scenario,
@@ -53,14 +88,15 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
 
 COMMAND = Command(
     "synth",
-    "synthesise a recording from a scenario file",
+    "synthesise a recording from a scenario",
     _configure,
     _run,
-    usage="SCENARIO.toml -o REC [options]",
+    usage="SCENARIO -o REC [options]",
     details="Writes samples, metadata and the truth. Ctrl-C keeps what was done so far, marked "
-    "partial. The scenarios that come with the package lie in sdr_spoof/scenario/data.",
+    "partial. SCENARIO is a file or one of those that come with the package: --list names them.",
     examples=(
         "sdr-spoof synth scenario.toml -o recording",
-        "sdr-spoof synth scenario.toml -o recording --force --json",
+        "sdr-spoof synth --list",
+        "sdr-spoof synth ds7 --speed-up 10 -o ds7",
     ),
 )

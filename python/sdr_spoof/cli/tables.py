@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich import box
 from rich.table import Table
@@ -11,7 +11,7 @@ from sdr_spoof.records import State
 from sdr_spoof.signals import signal_spec
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from sdr_spoof.pipeline import TruthComparison
     from sdr_spoof.records import Acquisition, SignalTrack
@@ -67,6 +67,14 @@ def _track_row(track: SignalTrack) -> tuple[str, ...]:
         f"{last.phase_lock[0]:.2f}",
         State(int(last.state[0])).name.lower(),
     )
+
+
+def scenarios(rows: Sequence[Mapping[str, Any]]) -> Table:
+    """Name, title and length of each scenario that comes with the package."""
+    made = table("Scenarios", "name", "length s", "what it shows", left=["name", "what it shows"])
+    for row in rows:
+        made.add_row(row["name"], f"{row['duration_s']:g}", row["title"])
+    return made
 
 
 def truth(comparison: Sequence[TruthComparison]) -> Table:

@@ -25,15 +25,14 @@ def onset_time(series: StatisticSeries, row: int, lookback_s: float) -> float:
     """Most likely start of the deviation that raised the alarm at ``row``, in s.
 
     Searched from ``lookback_s`` before the alarm's window to the alarm, inside the alarm's
-    unbroken piece of tracking; its first row where the trace shows no change, only a slope.
+    unbroken piece of tracking; its first row where the trace shows no change, only a slope. A jump
+    may raise the alarm with its first row: the few rows after it that a change needs are used too.
     """
     alarm_s = float(series.time_s[row])
     start_s = alarm_s - series.window_s - lookback_s
-    inside = (
-        (series.trace_segment == series.segment[row])
-        & (series.trace_time_s >= start_s)
-        & (series.trace_time_s <= alarm_s)
-    )
+    same = np.flatnonzero(series.trace_segment == series.segment[row])
+    first, last = np.searchsorted(series.trace_time_s[same], (start_s, alarm_s))
+    inside = same[first : last + MIN_AFTER]
     time, trace = series.trace_time_s[inside], series.trace[inside]
     if time.size < MIN_BEFORE + MIN_AFTER:
         return max(alarm_s - series.window_s, 0.0)

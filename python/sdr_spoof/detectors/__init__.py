@@ -10,7 +10,15 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from sdr_spoof.detectors import delta_metric, phase_difference_rate, power, ratio_metric
+from sdr_spoof.detectors import (
+    code_difference,
+    code_minus_carrier,
+    delta_metric,
+    phase_difference_glr,
+    phase_difference_rate,
+    power,
+    ratio_metric,
+)
 from sdr_spoof.detectors.config import DetectionConfig
 from sdr_spoof.detectors.series import StatisticSeries
 from sdr_spoof.errors import ConfigError
@@ -49,6 +57,32 @@ DETECTORS: dict[str, Detector] = {
             "which beats until lock is lost; drags slower than the threshold; satellites received "
             "in one band only",
             phase_difference_rate.statistics,
+        ),
+        Detector(
+            phase_difference_glr.NAME,
+            "Jump and slope of the carrier phase difference",
+            "whether the carriers of the satellite's two bands stay where they were, and together",
+            "a drag that moves the code but not the carrier; an attack on both bands that keeps "
+            "their carriers coherent; a capture that was complete before the recording began, or "
+            "during a loss of lock or the seconds after it; satellites received in one band only",
+            phase_difference_glr.statistics,
+        ),
+        Detector(
+            code_difference.NAME,
+            "Code delay difference",
+            "whether the codes of the satellite's two bands keep their distance",
+            "an attack that moves the codes of both bands alike; a capture that was complete "
+            "before the recording began, or during a loss of lock or the seconds after it; "
+            "satellites received in one band only",
+            code_difference.statistics,
+        ),
+        Detector(
+            code_minus_carrier.NAME,
+            "Code minus carrier",
+            "whether the code of each signal moves with its own carrier",
+            "a drag whose carrier follows its code; a capture that was complete before the "
+            "recording began, or during a loss of lock or the seconds after it",
+            code_minus_carrier.statistics,
         ),
         *(
             Detector(

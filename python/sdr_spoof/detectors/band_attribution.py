@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdr_spoof.detectors.config import DetectionConfig
-from sdr_spoof.detectors.phase_difference_rate import phase_sigma_cycles
+from sdr_spoof.detectors.phase_difference import phase_sigma_cycles
 from sdr_spoof.records import ComboTrack, State, TrackLog
 from sdr_spoof.signals import signal_spec
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -15,6 +15,9 @@ class DetectionConfig(BaseModel):
     detectors: tuple[str, ...] = Field(
         (
             "phase_difference_rate",
+            "phase_difference_glr",
+            "code_difference",
+            "code_minus_carrier",
             "delta_metric",
             "delta_metric_variance",
             "ratio_metric",
@@ -68,6 +71,61 @@ class DetectionConfig(BaseModel):
         2.0,
         gt=0.1,
         description="Signal before the onset from which each band's carrier is extrapolated, in s.",
+    )
+    false_alarms_per_hour: float = Field(
+        1e-3,
+        gt=0.0,
+        le=1000.0,
+        description="Rate of false alarms from noise, per hour, satellite and detector, of the "
+        "detectors that test several overlapping windows.",
+    )
+    phase_difference_glr_windows_s: tuple[Annotated[float, Field(gt=0.0, le=60.0)], ...] = Field(
+        (0.1, 0.2, 0.5, 1.0, 2.0, 4.0),
+        min_length=1,
+        description="Windows of the jump and slope of the phase difference, in s.",
+    )
+    phase_difference_glr_reference_s: float = Field(
+        10.0,
+        ge=2.0,
+        le=600.0,
+        description="Signal before a window from which level and noise are measured, in s.",
+    )
+    phase_difference_glr_drift_hz: float = Field(
+        1e-4,
+        ge=0.0,
+        description="Innocent drift of the phase difference (ionosphere, inter-band bias), in Hz.",
+    )
+    code_difference_windows_s: tuple[Annotated[float, Field(gt=0.0, le=300.0)], ...] = Field(
+        (1.0, 2.0, 5.0, 10.0, 20.0),
+        min_length=1,
+        description="Windows of the jump and slope of the code-delay difference, in s.",
+    )
+    code_difference_reference_s: float = Field(
+        30.0,
+        ge=5.0,
+        le=600.0,
+        description="Signal before a window from which level and noise are measured, in s.",
+    )
+    code_difference_drift_m_s: float = Field(
+        0.005,
+        ge=0.0,
+        description="Innocent drift of the code-delay difference (inter-band bias), in m/s.",
+    )
+    code_minus_carrier_windows_s: tuple[Annotated[float, Field(gt=0.0, le=300.0)], ...] = Field(
+        (2.0, 5.0, 10.0, 20.0),
+        min_length=1,
+        description="Windows of the jump and slope of code minus carrier, in s.",
+    )
+    code_minus_carrier_reference_s: float = Field(
+        30.0,
+        ge=5.0,
+        le=600.0,
+        description="Signal before a window from which level and noise are measured, in s.",
+    )
+    code_minus_carrier_drift_m_s: float = Field(
+        0.01,
+        ge=0.0,
+        description="Innocent drift of code minus carrier (twice the ionosphere's), in m/s.",
     )
 
     # Fusion.

@@ -14,7 +14,7 @@ uses the wider law of the published loop model instead, see :mod:`.combo_model`.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,32 +22,20 @@ from numpy.typing import NDArray
 from sdr_spoof import _core
 from sdr_spoof.detectors.combo_model import difference_sigma_hz, fll_sigma_hz
 from sdr_spoof.detectors.config import DetectionConfig
+from sdr_spoof.detectors.phase_difference import (
+    Difference,
+    epoch_of,
+    phase_sigma_cycles,
+    ratio_hz,
+    scaled_difference,
+)
 from sdr_spoof.detectors.presence import present
 from sdr_spoof.detectors.series import StatisticSeries
 from sdr_spoof.detectors.slips import repair_slips
-from sdr_spoof.detectors.windows import (
-    sections,
-    segments,
-    sliding_mean,
-    sliding_slope,
-    slope_sigma,
-)
-from sdr_spoof.records import ComboTrack, State, TrackLog
+from sdr_spoof.detectors.windows import sections, sliding_mean, sliding_slope, slope_sigma
+from sdr_spoof.records import ComboTrack, TrackLog
 
 NAME = "phase_difference_rate"
-
-
-@dataclass(frozen=True)
-class Difference:
-    """The carrier-scaled phase difference of a combo track, cycles at f_u, M rows."""
-
-    carrier_ratio: float
-    epoch_s: float
-    cycles: NDArray[np.float64]
-    """Slips taken out; NaN where it is not used."""
-    pieces: tuple[slice, ...]
-    """Unbroken, settled pieces of tracking."""
-    slips: int
 
 
 def statistics(log: TrackLog, config: DetectionConfig) -> Iterator[StatisticSeries]:
@@ -75,7 +63,9 @@ def statistic(
     Rows that are not ``there``, shape (M,), had no signal and are left out. Windows that end
     within the first ``lead`` rows are those of the section before and not tested again.
     """
-    difference = scaled_difference(track, config, there)
+    window_rows = max(round(config.window_s / epoch_of(track)), 3)
+    repair = partial(repair_slips, window_rows=window_rows)
+    difference = scaled_difference(track, config.settle_s, repair, there)
     rows = max(round(config.window_s / difference.epoch_s), 3)
     parts = [
         _tests_in_piece(track, difference, number, piece, rows, lead, config)
@@ -103,58 +93,6 @@ def statistic(
         trace_segment=trace_segment,
         notes=_notes(track, difference, columns.shape[1], config),
     )
-
-
-def scaled_difference(
-    track: ComboTrack, config: DetectionConfig, there: NDArray[np.bool_] | None = None
-) -> Difference:
-    """phi_u - (f_u / f_l) phi_l with isolated slips repaired, on the settled pieces."""
-    lower, upper = _core.signal_spec(track.lower), _core.signal_spec(track.upper)
-    ratio = float(upper["carrier_hz"] / lower["carrier_hz"])
-    epoch_s = float(np.median(track.integration_s)) if track.time_s.size else 0.01
-    usable = (
-        (track.state >= State.SYNCED)
-        & np.isfinite(track.phase_lower_cycles + track.phase_upper_cycles)
-        & np.isfinite(track.cn0_lower_dbhz + track.cn0_upper_dbhz)
-        & (True if there is None else there)
-    )
-    settle = round(config.settle_s / epoch_s)
-    pieces = tuple(
-        slice(piece.start + settle, piece.stop)
-        for piece in segments(track.time_s, usable)
-        if piece.stop - piece.start - settle >= 2
-    )
-    cycles = np.full(track.time_s.size, np.nan)
-    slips = 0
-    window_rows = max(round(config.window_s / epoch_s), 3)
-    for piece in pieces:
-        both = []
-        for name, phase, cn0 in (
-            (track.upper, track.phase_upper_cycles, track.cn0_upper_dbhz),
-            (track.lower, track.phase_lower_cycles, track.cn0_lower_dbhz),
-        ):
-            sigma = float(phase_sigma_cycles(float(np.mean(_ratio_hz(cn0[piece]))), epoch_s))
-            clean, count = repair_slips(
-                phase[piece], slip_quantum(name, track.prn), sigma, window_rows
-            )
-            both.append(clean)
-            slips += count
-        cycles[piece] = both[0] - ratio * both[1]
-    return Difference(ratio, epoch_s, cycles, pieces, slips)
-
-
-def slip_quantum(signal: str, prn: int) -> float:
-    """Smallest cycle slip of a signal's loop: half a cycle with data (Costas), one for a pilot."""
-    return 1.0 if _core.periods_per_symbol(signal, prn) is None else 0.5
-
-
-def phase_sigma_cycles(cn0_hz: float | NDArray[np.float64], epoch_s: float) -> NDArray[np.float64]:
-    """White noise of one epoch's measured phase, with the arctangent's squaring loss, in cycles.
-
-    sigma^2 = (1 / (2 C/N0 T)) (1 + 1 / (2 C/N0 T)) rad^2; ``cn0_hz`` is a ratio in Hz.
-    """
-    variance = 1.0 / (2.0 * np.asarray(cn0_hz, dtype=np.float64) * epoch_s)
-    return np.asarray(np.sqrt(variance * (1.0 + variance)) / (2.0 * np.pi))
 
 
 def thermal_sigma_hz(
@@ -190,10 +128,6 @@ def published_sigma_hz(
     )
 
 
-def _ratio_hz(cn0_dbhz: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(10.0 ** (cn0_dbhz / 10.0))
-
-
 def _tests_in_piece(
     track: ComboTrack,
     difference: Difference,
@@ -204,8 +138,8 @@ def _tests_in_piece(
     config: DetectionConfig,
 ) -> NDArray[np.float64]:
     """Columns time, slope, sigma, thermal sigma, piece number of the supported windows."""
-    upper = sliding_mean(_ratio_hz(track.cn0_upper_dbhz[piece]), rows)
-    lower = sliding_mean(_ratio_hz(track.cn0_lower_dbhz[piece]), rows)
+    upper = sliding_mean(ratio_hz(track.cn0_upper_dbhz[piece]), rows)
+    lower = sliding_mean(ratio_hz(track.cn0_lower_dbhz[piece]), rows)
     slope = sliding_slope(difference.cycles[piece], rows, difference.epoch_s)
     end = track.time_s[piece][rows - 1 :] + difference.epoch_s / 2.0
     thermal = thermal_sigma_hz(upper, lower, difference.carrier_ratio, rows, difference.epoch_s)

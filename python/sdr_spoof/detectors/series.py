@@ -49,6 +49,11 @@ class StatisticSeries:
     share: float = 1.0
     """Part of the detector's false-alarm probability that this series may use: the shares of all
     its series for one satellite add up to at most 1."""
+    shortest_s: float | None = None
+    """Shortest of several windows, where ``window_s`` is the longest."""
+    threshold_sigmas: float | None = None
+    """Threshold in standard deviations that the detector's own law sets, for a rate of false
+    alarms over all its overlapping windows; None where a probability per test sets it."""
 
     def raised(self, alarm: Alarm) -> bool:
         """Whether an alarm is of this series, in any section of the track."""
@@ -66,11 +71,17 @@ class StatisticSeries:
         for number in np.unique(self.segment):
             times = self.time_s[self.segment == number]
             steps = np.diff(times)
-            total += self.window_s + float(np.minimum(steps, self.window_s).sum())
+            first_s = self.shortest_s or self.window_s
+            total += first_s + float(np.minimum(steps, self.window_s).sum())
         return total
 
     def threshold(self, pfa: float) -> NDArray[np.float64]:
-        """Two-sided threshold at a false-alarm probability per test of the detector, shape (N,)."""
+        """Two-sided threshold at a false-alarm probability per test of the detector, shape (N,).
+
+        The detector's own where it sets one.
+        """
+        if self.threshold_sigmas is not None:
+            return self.sigma * self.threshold_sigmas
         return np.asarray(self.sigma * float(norm.isf(pfa * self.share / 2.0)))
 
     def log10_p(self, row: int) -> float:

@@ -70,3 +70,48 @@ def repair_slips(
             repaired[row:] -= size
             count += 1
     return repaired, count
+
+
+def repair_every_slip(
+    phase_cycles: NDArray[np.float64], quantum_cycles: float, sigma_cycles: float
+) -> tuple[NDArray[np.float64], int]:
+    """Takes all slips out, also those in bursts; also returns the number of places.
+
+    A loop that slips at a low C/N0 lingers half-way, where its discriminator hops to and fro:
+    steps within ``FIT_ROWS`` are one slip. It is taken out if what is left of it is no jump, within
+    5 standard deviations: a slip stays a multiple of the quantum, an attack's jump or course is
+    another. The beat of an attack loses its flips, but goes on turning.
+    """
+    repaired = phase_cycles.copy()
+    if phase_cycles.size < 4:
+        return repaired, 0
+    steps = np.diff(phase_cycles)
+    excess = steps - median_filter(steps, size=11, mode="nearest")
+    quanta = np.round(excess / quantum_cycles)
+    rows = np.flatnonzero(quanta) + 1
+    count = 0
+    for group in np.split(rows, np.flatnonzero(np.diff(rows) > FIT_ROWS) + 1):
+        if group.size == 0:
+            continue
+        start, stop = int(group[0]) - FIT_ROWS, int(group[-1]) + FIT_ROWS
+        start, stop = max(start, 0), min(stop, phase_cycles.size)
+        size = np.cumsum(quanta[start : stop - 1]) * quantum_cycles
+        tried = repaired[start:stop] - np.concatenate(([0.0], size))
+        left, left_sigma = _jump_between(tried, group[0] - start, group[-1] - start, sigma_cycles)
+        if abs(left) < 5.0 * left_sigma:
+            repaired[start:stop] = tried
+            repaired[stop:] -= size[-1]
+            count += 1
+    return repaired, count
+
+
+def _jump_between(
+    phase_cycles: NDArray[np.float64], first: int, last: int, sigma_cycles: float
+) -> tuple[float, float]:
+    """Jump between parallel lines before ``first`` and from ``last`` on, and its sigma."""
+    rows = np.arange(phase_cycles.size)
+    outside = (rows < first) | (rows >= last)
+    design = np.column_stack([np.ones(rows.size), rows, rows >= last])[outside]
+    pseudo_inverse = np.linalg.pinv(design)
+    jump = float(pseudo_inverse[2] @ (phase_cycles - phase_cycles[0])[outside])
+    return jump, sigma_cycles * float(np.linalg.norm(pseudo_inverse[2]))

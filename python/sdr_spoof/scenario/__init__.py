@@ -3,19 +3,28 @@
 For files only: nothing here drives a transmitter.
 """
 
+from .attack import Asynchronous, InducedAttack, Meaconing, Multipath, Ray
 from .emitters import Transmission, transmissions
-from .load import builtin_scenario, load_scenario
-from .model import InducedAttack, RecordingPlan, Satellite, Scenario
+from .load import builtin_names, builtin_scenario, find_scenario, load_scenario
+from .model import Scenario
+from .recording_plan import RecordingPlan
+from .satellite import Satellite
 from .synthesis import open_synthesizer, synthesize, truth_path
 from .truth import truth
 
 __all__ = [
+    "Asynchronous",
     "InducedAttack",
+    "Meaconing",
+    "Multipath",
+    "Ray",
     "RecordingPlan",
     "Satellite",
     "Scenario",
     "Transmission",
+    "builtin_names",
     "builtin_scenario",
+    "find_scenario",
     "load_scenario",
     "open_synthesizer",
     "synthesize",

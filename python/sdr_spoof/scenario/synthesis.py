@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from sdr_spoof._core import Synthesizer
     from sdr_spoof.progress import Progress
 
-    from .model import RecordingPlan, Scenario
+    from .model import Scenario
+    from .recording_plan import RecordingPlan
 
 _BLOCK_S = 0.25
 _GRID = 16384

@@ -8,7 +8,12 @@ Every quantity is that of the synthesis itself, asked at the times of the table:
   received phase over the nominal carrier, at the component's own zero (the 0.25 cycle of the B1C
   pilot is not in it); the phase in the file is ``(carrier - lo_hz) t - carrier_phase_cycles``;
 - ``doppler_hz``: positive when approaching;
-- ``cn0_dbhz``: of the component, null while off the air.
+- ``cn0_dbhz``: of the component, null while off the air;
+- ``data_delay_s``, ``data_error_rate``: how its data symbols differ from those of ``data_seed``;
+- ``role``: authentic, spoof, meacon or multipath.
+
+``attacks`` has an entry for each attacked satellite, ``disturbances`` one for each that has
+multipath, which is no attack.
 """
 
 from __future__ import annotations
@@ -20,13 +25,14 @@ import numpy as np
 
 from sdr_spoof.signals import components, signal_spec
 
-from .attacks import capture_time_s, drag_offset_hz
 from .emitters import Transmission, transmissions
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from .model import InducedAttack, Scenario
+    from .attack import Attack
+    from .model import Scenario
+    from .satellite import Satellite
 
 INTERVAL_S = 0.1
 """Spacing of the table."""
@@ -53,34 +59,36 @@ def truth(scenario: Scenario, *, sample_count: int | None = None) -> dict[str, A
         "partial": count < plan.sample_count,
         "interval_s": interval_s,
         "definitions": __doc__,
-        "attacks": [_attack(a) for a in scenario.attack],
+        "attacks": _attacks(scenario, hostile=True),
+        "disturbances": _attacks(scenario, hostile=False),
         "time_s": _rounded(time_s, 9),
         "emitters": [_emitter(t, time_s) for t in transmissions(scenario)],
         "scenario": scenario.model_dump(),
     }
 
 
-def _attack(attack: InducedAttack) -> dict[str, Any]:
-    """Timeline of an attack. The first visible effect is near ``capture_s``."""
-    parts = [c for s in attack.signals for c in components(s)]
-    full = None if attack.drag_start_s is None else attack.drag_start_s + attack.drag_ramp_s
+def _attacks(scenario: Scenario, *, hostile: bool) -> list[dict[str, Any]]:
+    """One entry for each satellite of each attack, or of what is none."""
+    return [
+        _attack(attack, satellite, signals)
+        for number, attack in enumerate(scenario.attack)
+        if attack.hostile == hostile
+        for satellite, signals in scenario.victims(number)
+    ]
+
+
+def _attack(attack: Attack, satellite: Satellite, signals: tuple[str, ...]) -> dict[str, Any]:
+    """Whom it is against, and its timeline."""
     return {
         "kind": attack.kind,
-        "system": attack.system,
-        "prn": attack.prn,
-        "signals": list(attack.signals),
-        "components": parts,
-        "start_s": attack.start_s,
-        "power_ramp_start_s": attack.ramp_start_s,
-        "power_ramp_end_s": attack.ramp_end_s,
-        "capture_s": capture_time_s(attack),
-        "drag_start_s": attack.drag_start_s,
-        "drag_full_s": full,
-        "end_s": attack.end_s,
-        "power_db": attack.power_db,
-        "drag_rate_m_s": attack.drag_rate_m_s,
-        "carrier_offset_hz": {c: drag_offset_hz(attack, signal_spec(c).carrier_hz) for c in parts},
-    }
+        "role": attack.role,
+        "system": satellite.system,
+        "prn": satellite.prn,
+        "signals": list(signals),
+        "components": [c for s in signals for c in components(s)],
+        "capture_s": None,
+        "drag_start_s": None,
+    } | attack.timeline(satellite, signals)
 
 
 def _emitter(t: Transmission, time_s: NDArray[np.float64]) -> dict[str, Any]:
@@ -93,6 +101,8 @@ def _emitter(t: Transmission, time_s: NDArray[np.float64]) -> dict[str, Any]:
         "signal": t.signal,
         "composite": t.composite,
         "data_seed": t.data_seed,
+        "data_delay_s": t.emitter.data_delay_s,
+        "data_error_rate": t.data_error_rate,
         "start_s": t.start_s,
         "end_s": t.end_s,
         "code_delay_s": _rounded(time_s - chips / signal_spec(t.signal).chip_rate_hz, 15),

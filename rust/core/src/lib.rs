@@ -9,6 +9,7 @@
 #![deny(unsafe_code)]
 
 pub mod acquire;
+pub mod correlator_level;
 pub mod dsp;
 pub mod error;
 pub mod nco;

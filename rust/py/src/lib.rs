@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 mod acquire;
 mod bench;
 mod signals;
+mod simulate;
 mod synth;
 mod track;
 
@@ -20,6 +21,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     synth::register(m)?;
     acquire::register(m)?;
     track::register(m)?;
+    simulate::register(m)?;
     bench::register(m)?;
     // Load numpy's C interface here, where an error can be raised: loaded on first use, it would
     // panic when Ctrl-C comes in between.

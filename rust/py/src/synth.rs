@@ -11,14 +11,14 @@ type Knots = Vec<(f64, f64)>;
 
 /// A signal component of one transmitter; a spoofer is more emitters.
 #[pyclass(frozen, module = "sdr_spoof._core")]
-struct Emitter(synth::Emitter);
+pub(crate) struct Emitter(pub(crate) synth::Emitter);
 
 #[pymethods]
 impl Emitter {
     #[new]
     #[pyo3(signature = (signal, prn, cn0_dbhz, *, delay_s=0.0, phase_cycles=0.0, doppler_hz=0.0,
-        doppler_rate_hz_s=0.0, data_seed=None, power_db=vec![], code_offset_m=vec![],
-        carrier_offset_hz=vec![], start_s=f64::NEG_INFINITY, end_s=f64::INFINITY))]
+        doppler_rate_hz_s=0.0, data_seed=None, data_delay_s=0.0, data_error_rate=0.0, power_db=vec![],
+        code_offset_m=vec![], carrier_offset_hz=vec![], start_s=f64::NEG_INFINITY, end_s=f64::INFINITY))]
     #[allow(clippy::too_many_arguments)] // keyword arguments in Python
     fn new(
         signal: &str,
@@ -29,6 +29,8 @@ impl Emitter {
         doppler_hz: f64,
         doppler_rate_hz_s: f64,
         data_seed: Option<u64>,
+        data_delay_s: f64,
+        data_error_rate: f64,
         power_db: Knots,
         code_offset_m: Knots,
         carrier_offset_hz: Knots,
@@ -42,6 +44,8 @@ impl Emitter {
             doppler_hz,
             doppler_rate_hz_s,
             data_seed,
+            data_delay_s,
+            data_error_rate,
             power_db: profile(power_db)?,
             code_offset_m: profile(code_offset_m)?,
             carrier_offset_hz: profile(carrier_offset_hz)?,
@@ -99,6 +103,12 @@ impl Emitter {
         map(py, &time_s, |t| self.0.cn0_at_dbhz(t))
     }
 
+    /// Delay of the data symbols against the code, as sent: a whole number of chips.
+    #[getter]
+    fn data_delay_s(&self) -> f64 {
+        self.0.data_delay_chips() as f64 / self.0.signal.chip_rate_hz
+    }
+
     /// Data symbols (+1 or -1) of these indices.
     fn data_symbols<'py>(
         &self,
@@ -147,14 +157,8 @@ impl Synthesizer {
         threads: usize,
     ) -> PyResult<Self> {
         let format = SampleFormat::parse(sample_format).map_err(to_py)?;
-        let filter = bandwidth_hz
-            .map(|bandwidth| {
-                let centre = (centre_hz.unwrap_or(lo_hz) - lo_hz) / sample_rate_hz;
-                let width = bandwidth / sample_rate_hz;
-                synth::Filter::new(centre, width, filter_taps, format.is_complex())
-            })
-            .transpose()
-            .map_err(to_py)?;
+        let band = (bandwidth_hz, centre_hz.unwrap_or(lo_hz) - lo_hz);
+        let filter = filter(sample_rate_hz, band, filter_taps, format.is_complex())?;
         let config = synth::SynthConfig {
             sample_rate_hz,
             lo_hz,
@@ -183,6 +187,20 @@ impl Synthesizer {
             .map_err(to_py)?;
         Ok(bytes.into_pyarray(py))
     }
+}
+
+/// The front-end filter of a bandwidth, if there is one, and a centre in the recording.
+pub(crate) fn filter(
+    sample_rate_hz: f64,
+    (bandwidth_hz, centre_hz): (Option<f64>, f64),
+    taps: usize,
+    complex_samples: bool,
+) -> PyResult<Option<synth::Filter>> {
+    let relative = |hz: f64| hz / sample_rate_hz;
+    bandwidth_hz
+        .map(|b| synth::Filter::new(relative(centre_hz), relative(b), taps, complex_samples))
+        .transpose()
+        .map_err(to_py)
 }
 
 pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {

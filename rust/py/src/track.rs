@@ -31,7 +31,7 @@ fn target((signal, prn, sample, doppler_hz, code_delay_s): TargetTuple) -> Targe
 }
 
 /// Reads every field of the core's configuration from a dict.
-fn config(values: &Bound<'_, PyDict>) -> PyResult<TrackConfig> {
+pub(crate) fn config(values: &Bound<'_, PyDict>) -> PyResult<TrackConfig> {
     fn get<'py, T: FromPyObject<'py>>(values: &Bound<'py, PyDict>, key: &str) -> PyResult<T> {
         values.as_any().get_item(key)?.extract()
     }
@@ -109,25 +109,41 @@ impl Tracker {
 
     /// Rows recorded since the last call: one dict per signal.
     fn take_signals<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
-        let list = PyList::empty(py);
-        for channel in self.0.channels_mut() {
-            for sideband in &mut channel.sidebands {
-                list.append(signal_rows(py, channel.prn, sideband)?)?;
-            }
-        }
-        Ok(list)
+        all_signal_rows(py, self.0.channels_mut())
     }
 
     /// Rows recorded since the last call: one dict per satellite with two sidebands.
     fn take_combos<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
-        let list = PyList::empty(py);
-        for channel in self.0.channels_mut() {
-            if channel.sidebands.len() == 2 {
-                list.append(combo_rows(py, channel)?)?;
-            }
-        }
-        Ok(list)
+        all_combo_rows(py, self.0.channels_mut())
     }
+}
+
+/// What channels recorded since the last call: one dict per signal.
+pub(crate) fn all_signal_rows<'a, 'py>(
+    py: Python<'py>,
+    channels: impl IntoIterator<Item = &'a mut Channel>,
+) -> PyResult<Bound<'py, PyList>> {
+    let list = PyList::empty(py);
+    for channel in channels {
+        for sideband in &mut channel.sidebands {
+            list.append(signal_rows(py, channel.prn, sideband)?)?;
+        }
+    }
+    Ok(list)
+}
+
+/// What channels recorded since the last call: one dict per satellite with two sidebands.
+pub(crate) fn all_combo_rows<'a, 'py>(
+    py: Python<'py>,
+    channels: impl IntoIterator<Item = &'a mut Channel>,
+) -> PyResult<Bound<'py, PyList>> {
+    let list = PyList::empty(py);
+    for channel in channels {
+        if channel.sidebands.len() == 2 {
+            list.append(combo_rows(py, channel)?)?;
+        }
+    }
+    Ok(list)
 }
 
 /// Fills a dict with a column of each named field; the columns move to Python without a copy.

@@ -22,7 +22,14 @@ MUTED = "#66727f"
 GRID = "#e4e8ec"
 ALARM = "#c0392b"
 TRUTH = "#111111"
-BAND_COLOURS = {"B1I": "#0072b2", "B1CP": "#e08214", "B1CD": "#cc79a7", "L1CA": "#009e73"}
+BAND_COLOURS = {
+    "B1I": "#0072b2",
+    "B1CP": "#e08214",
+    "B1CD": "#cc79a7",
+    "L1CA": "#009e73",
+    "E5AQ": "#56b4e9",
+    "E5BQ": "#d55e00",
+}
 """Okabe-Ito hues; a signal keeps its colour in every figure."""
 
 MOST_POINTS = 4000

@@ -169,7 +169,7 @@ mod tests {
     fn every_bin_is_in_one_zone() {
         for spec in SIGNALS {
             let common = Common::new(spec, 5, 5);
-            assert!(common.half_width as f64 * common.doppler_bin_hz() > 5e3);
+            assert!(common.half_width as f64 * common.doppler_bin_hz() >= 5e3);
             for bin in -1000..1000 {
                 let zone = common.zone_of(bin);
                 assert!(bin <= common.last_of(zone) && bin > common.last_of(zone - 1));

@@ -6,20 +6,17 @@
 //! residual carrier allows, and each group is turned by the residual carrier at its middle. All
 //! sums are integers: the same bits however the samples come, whatever the processor.
 
-use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-use super::band::{Band, LAST_SAMPLE};
-use super::replica::{Output, Part, Replica, SUBCHIPS};
+use super::band::Band;
+use super::clock::Clock;
+pub use super::clock::SAMPLES_PER_CHIP;
+use super::replica::{Output, Part, Replica};
 use super::ring::LONGEST_STEP;
 use super::tap_plan::TapPlan;
-use crate::simd::runs::{correlate, Runs, Sums, FRACTION, TURN_AMPLITUDE, UNIT};
+use crate::simd::runs::{correlate, Runs, Sums, FRACTION, TURN_AMPLITUDE};
 use crate::{nco, C64};
 
-/// A code position of one sample.
-const ONE: f64 = (1u64 << FRACTION) as f64;
-/// Samples per chip that can be correlated: a step of the runs of eight chips is the longest.
-pub const SAMPLES_PER_CHIP: RangeInclusive<f64> = 0.25..=(LONGEST_STEP / UNIT) as f64;
 /// Taps may lie so far from the prompt, samples.
 pub const FARTHEST_TAP: usize = 1 << 30;
 
@@ -62,14 +59,7 @@ pub struct Correlator {
     plans: [TapPlan; 3],
     /// Farthest tap before and after the prompt.
     reach: [i64; 2],
-    /// Whole sample and 2^-40 fraction of the slice's start.
-    base: u64,
-    fraction: u64,
-    /// Samples per chip, 2^-40 units, a multiple of all sub-chips.
-    chip_step: u64,
-    /// Carrier beyond the band's nominal frequency at sample `base`: 2^-64 cycles, unwrapped.
-    carrier: i128,
-    carrier_step: i64,
+    clock: Clock,
     begun: bool,
     /// Carrier beyond the band's oscillator where the slice began, 2^-64 cycles per sample.
     residual: u64,
@@ -102,7 +92,7 @@ impl Correlator {
     ///
     /// # Panics
     /// If `outer` does not say it of each tap, if there is none but outer ones, if one is farther
-    /// than [`FARTHEST_TAP`], or if `start` is not within 0 and [`LAST_SAMPLE`].
+    /// than [`FARTHEST_TAP`], or if `start` is not within 0 and [`LAST_SAMPLE`](super::band::LAST_SAMPLE).
     pub fn with_outer_taps(
         replica: Arc<Replica>,
         taps: &[i64],
@@ -121,11 +111,6 @@ impl Correlator {
             farthest <= FARTHEST_TAP as u64,
             "a tap {farthest} samples from the prompt"
         );
-        assert!(
-            (0.0..=LAST_SAMPLE as f64).contains(&start),
-            "a channel cannot start at sample {start}"
-        );
-        let base = start.floor();
         let all = || taps.iter().copied().enumerate();
         let inner = all().zip(outer).filter(|(_, &o)| !o).map(|(tap, _)| tap);
         let plans = [
@@ -140,11 +125,7 @@ impl Correlator {
             sums: vec![Sums::default(); plans[part.output as usize].groups.len()],
         };
         Correlator {
-            base: base as u64,
-            fraction: ((start - base) * ONE) as u64,
-            chip_step: 0,
-            carrier: 0,
-            carrier_step: 0,
+            clock: Clock::new(start),
             begun: false,
             residual: 0,
             progress: replica.parts.iter().map(progress).collect(),
@@ -178,45 +159,26 @@ impl Correlator {
     /// [`SAMPLES_PER_CHIP`].
     pub fn set_rates(&mut self, carrier: f64, samples_per_chip: f64) {
         self.check_between_slices();
-        assert!(
-            carrier.is_finite() && SAMPLES_PER_CHIP.contains(&samples_per_chip),
-            "cannot correlate at {carrier} cycles per sample and {samples_per_chip} samples per chip"
-        );
-        self.carrier_step = nco::step_from_frequency(carrier) as i64;
-        self.chip_step = (samples_per_chip * ONE / SUBCHIPS as f64).round() as u64 * SUBCHIPS;
+        self.clock.set_rates(carrier, samples_per_chip);
     }
 
     /// Adds to the carrier phase (cycles), between slices.
     ///
     /// # Panics
-    /// Within a slice, or for more cycles than [`LAST_SAMPLE`].
+    /// Within a slice, or for more cycles than [`LAST_SAMPLE`](super::band::LAST_SAMPLE).
     pub fn shift_carrier(&mut self, cycles: f64) {
         self.check_between_slices();
-        assert!(
-            cycles.abs() <= LAST_SAMPLE as f64,
-            "cannot turn a carrier by {cycles} cycles"
-        );
-        self.carrier += (cycles * nco::CYCLE) as i128;
+        self.clock.shift_carrier(cycles);
     }
 
     /// Moves the replica by this many samples (positive = later), between slices. What it is
     /// moved back to must still be held by its band.
     ///
     /// # Panics
-    /// Within a slice, or to a sample that is not within 0 and [`LAST_SAMPLE`].
+    /// Within a slice, or to a sample that is not within 0 and [`LAST_SAMPLE`](super::band::LAST_SAMPLE).
     pub fn shift_code(&mut self, samples: f64) {
         self.check_between_slices();
-        let here = (i128::from(self.base) << FRACTION) | i128::from(self.fraction);
-        let there = here.saturating_add((samples * ONE).round() as i128);
-        assert!(
-            !samples.is_nan() && (0..=i128::from(LAST_SAMPLE) << FRACTION).contains(&there),
-            "cannot move a replica at sample {} by {samples}",
-            self.base
-        );
-        let base = (there >> FRACTION) as u64;
-        self.carrier += i128::from(self.carrier_step) * (i128::from(base) - i128::from(self.base));
-        self.base = base;
-        self.fraction = there as u64 & ((1 << FRACTION) - 1);
+        self.clock.shift_code(samples);
     }
 
     fn check_between_slices(&self) {
@@ -225,28 +187,28 @@ impl Correlator {
 
     /// Start of the present slice in samples.
     pub fn start(&self) -> f64 {
-        self.base as f64 + self.fraction as f64 / ONE
+        self.clock.start()
     }
 
     /// Fraction of a sample between [`Correlator::base`] and the present slice's start.
     pub fn fraction(&self) -> f64 {
-        self.fraction as f64 / ONE
+        self.clock.fraction()
     }
 
     /// Samples per chip of the replica.
     pub fn samples_per_chip(&self) -> f64 {
-        self.chip_step as f64 / ONE
+        self.clock.samples_per_chip()
     }
 
     /// Carrier phase beyond the band's nominal frequency at [`Correlator::base`], cycles,
     /// unwrapped.
     pub fn carrier_cycles(&self) -> f64 {
-        self.carrier as f64 / nco::CYCLE
+        self.clock.carrier_cycles()
     }
 
     /// Whole sample at or before the present slice's start.
     pub fn base(&self) -> u64 {
-        self.base
+        self.clock.base
     }
 
     /// Farthest tap from the prompt.
@@ -258,7 +220,7 @@ impl Correlator {
     pub(crate) fn oldest(&self) -> i64 {
         let parts = 0..self.progress.len();
         let needed = parts.map(|part| self.needed(part)).min();
-        needed.unwrap_or(self.base as i64)
+        needed.unwrap_or(self.clock.base as i64)
     }
 
     /// The earliest sample that a part of the replica still needs.
@@ -266,8 +228,9 @@ impl Correlator {
         let progress = &self.progress[part];
         let list = self.replica.parts[part].list(progress.fine);
         let edge = u64::from(list.slices[self.index][progress.edges]);
-        let passed = (self.fraction + edge * (self.chip_step / list.subchips)) >> FRACTION;
-        (self.base + passed) as i64 + self.reach[0]
+        let passed =
+            (self.clock.fraction + edge * (self.clock.chip_step / list.subchips)) >> FRACTION;
+        (self.clock.base + passed) as i64 + self.reach[0]
     }
 
     /// Works off what the band holds; gives the slice once it is complete, and stands then at
@@ -276,7 +239,7 @@ impl Correlator {
     /// # Panics
     /// If the band no longer holds samples that are needed, or rates have never been set.
     pub fn advance(&mut self, band: &Band) -> Option<&Slice> {
-        let limit = band.end().wrapping_sub(self.base) as i64 - self.reach[1];
+        let limit = band.end().wrapping_sub(self.clock.base) as i64 - self.reach[1];
         if limit <= 0 {
             return None;
         }
@@ -305,9 +268,9 @@ impl Correlator {
 
     /// Chooses how runs are turned in the slice that begins.
     fn begin(&mut self, band: &Band) {
-        assert!(self.chip_step > 0, "a channel without rates");
-        let step = band.detuning_step(self.base);
-        self.residual = (self.carrier_step as u64).wrapping_sub(step);
+        assert!(self.clock.chip_step > 0, "a channel without rates");
+        let step = band.detuning_step(self.clock.base);
+        self.residual = (self.clock.carrier_step as u64).wrapping_sub(step);
         let per_chip = nco::frequency_from_step(self.residual) * self.samples_per_chip();
         let longest = LONGEST_STEP as f64 / self.samples_per_chip();
         for (part, progress) in self.replica.parts.iter().zip(&mut self.progress) {
@@ -332,7 +295,7 @@ impl Correlator {
         // What lies before a retuning is turned as the oscillator was then.
         for (detuning, end) in band.detunings() {
             let rest = &edges[progress.edges..];
-            let limit = limit.min(end.wrapping_sub(self.base) as i64);
+            let limit = limit.min(end.wrapping_sub(self.clock.base) as i64);
             if rest.len() == 1 || limit < 0 {
                 continue;
             }
@@ -340,12 +303,12 @@ impl Correlator {
                 cells: band.ring().cells(),
                 geometry: band.ring().geometry(),
                 edges: rest,
-                fraction: self.fraction,
-                step: self.chip_step / list.subchips,
-                base: self.base,
+                fraction: self.clock.fraction,
+                step: self.clock.chip_step / list.subchips,
+                base: self.clock.base,
                 limit,
-                phase: (self.carrier as u64).wrapping_sub(detuning.phase(self.base)),
-                phase_step: (self.carrier_step as u64).wrapping_sub(detuning.step),
+                phase: (self.clock.carrier as u64).wrapping_sub(detuning.phase(self.clock.base)),
+                phase_step: (self.clock.carrier_step as u64).wrapping_sub(detuning.step),
                 runs_per_turn: progress.runs_per_turn,
             };
             progress.edges += correlate(band.level(), &runs, taps, &mut progress.sums);
@@ -373,12 +336,9 @@ impl Correlator {
         for (tap, twist) in slice.taps.iter_mut().zip(&self.twists) {
             *tap *= twist;
         }
-        let end = self.fraction + self.replica.chips_per_slice() * self.chip_step;
-        let whole = end >> FRACTION;
-        (slice.index, slice.start, slice.samples) = (self.index, self.base, whole);
-        self.base += whole;
-        self.fraction = end & ((1 << FRACTION) - 1);
-        self.carrier += i128::from(self.carrier_step) * i128::from(whole);
+        slice.start = self.clock.base;
+        slice.samples = self.clock.pass(self.replica.chips_per_slice());
+        slice.index = self.index;
         self.index = (self.index + 1) % self.replica.slices_per_period();
         self.progress.iter_mut().for_each(|p| p.edges = 0);
         self.begun = false;

@@ -5,6 +5,7 @@
 //! [`engine::Engine`] is all of it together.
 
 pub mod band;
+pub mod clock;
 pub mod correlator;
 pub mod engine;
 pub mod front_end;

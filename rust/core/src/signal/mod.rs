@@ -5,6 +5,7 @@
 mod b1c;
 mod b1i;
 pub mod code;
+mod e5;
 mod l1ca;
 
 use crate::{Error, Result};
@@ -107,7 +108,14 @@ pub struct SignalSpec {
 }
 
 /// Every signal that the receiver knows.
-pub static SIGNALS: &[SignalSpec] = &[b1i::B1I, b1c::B1CD, b1c::B1CP, l1ca::L1CA];
+pub static SIGNALS: &[SignalSpec] = &[
+    b1i::B1I,
+    b1c::B1CD,
+    b1c::B1CP,
+    l1ca::L1CA,
+    e5::E5AQ,
+    e5::E5BQ,
+];
 
 /// Looks a signal up by its registry name.
 ///

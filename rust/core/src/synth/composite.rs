@@ -95,27 +95,30 @@ impl Component {
     /// Signs of the chips from number `chip` on: code, secondary code and data.
     pub(super) fn signs(&self, chip: i64, signs: &mut [i8]) {
         let length = self.code.len();
-        let mut period = chip.div_euclid(length as i64);
+        // Where in a code period the data may change.
+        let change = self.emitter.data_delay_chips().rem_euclid(length as i64) as usize;
         let mut first = chip.rem_euclid(length as i64) as usize;
-        let mut rest = signs;
+        let (mut chip, mut rest) = (chip, signs);
         while !rest.is_empty() {
-            let (run, after) = rest.split_at_mut((length - first).min(rest.len()));
-            let sign = self.period_sign(period);
+            let end = if first < change { change } else { length };
+            let (run, after) = rest.split_at_mut((end - first).min(rest.len()));
+            let sign = self.sign(chip);
             for (out, chip) in run.iter_mut().zip(&self.code[first..]) {
                 *out = sign * chip;
             }
-            (rest, first, period) = (after, 0, period + 1);
+            chip += run.len() as i64;
+            (rest, first) = (after, end % length);
         }
     }
 
-    /// Sign of a code period: secondary code times data symbol.
-    fn period_sign(&self, period: i64) -> i8 {
+    /// Secondary code times data symbol at a chip.
+    fn sign(&self, chip: i64) -> i8 {
         let secondary = match self.secondary.len() as i64 {
             0 => 1,
-            n => self.secondary[period.rem_euclid(n) as usize],
+            n => self.secondary[chip.div_euclid(self.code.len() as i64).rem_euclid(n) as usize],
         };
         let symbol = match self.periods_per_symbol {
-            Some(n) => self.emitter.data_symbol(period.div_euclid(n)),
+            Some(n) => self.emitter.data_sign(chip, n),
             None => 1,
         };
         secondary * symbol

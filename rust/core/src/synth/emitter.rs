@@ -8,6 +8,10 @@ use crate::{Error, Result};
 /// Speed of light in m/s.
 pub const SPEED_OF_LIGHT: f64 = 299_792_458.0;
 
+/// Stream of the wrong symbols.
+const ERRORS: u64 = 0x6775_6573_7365_6421;
+const TWO_64: f64 = 18_446_744_073_709_551_616.0;
+
 /// A signal component of one transmitter. A spoofer is more emitters.
 ///
 /// Time `t` is seconds since sample 0. With `D(t) = doppler_hz t + doppler_rate_hz_s t^2 / 2`:
@@ -36,6 +40,11 @@ pub struct Emitter {
     pub doppler_rate_hz_s: f64,
     /// Pseudo-random data symbols, a hash of (seed, symbol index); `None`: all +1.
     pub data_seed: Option<u64>,
+    /// Delay of the data symbols against the code (rounded to whole chips): a spoofer that repeats
+    /// what it hears with its code already aligned.
+    pub data_delay_s: f64,
+    /// Share of the symbols that are wrong, chosen by a hash of (seed, symbol index).
+    pub data_error_rate: f64,
     /// Power over `cn0_dbhz`.
     pub power_db: Profile,
     /// Extra code delay in metres; does not move the carrier.
@@ -60,6 +69,8 @@ impl Emitter {
             doppler_hz: 0.0,
             doppler_rate_hz_s: 0.0,
             data_seed: None,
+            data_delay_s: 0.0,
+            data_error_rate: 0.0,
             power_db: Profile::default(),
             code_offset_m: Profile::default(),
             carrier_offset_hz: Profile::default(),
@@ -69,13 +80,15 @@ impl Emitter {
     }
 
     /// Checks what the synthesis relies on.
-    pub(super) fn check(&self) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         let numbers = [
             ("cn0_dbhz", self.cn0_dbhz),
             ("delay_s", self.delay_s),
             ("phase_cycles", self.phase_cycles),
             ("doppler_hz", self.doppler_hz),
             ("doppler_rate_hz_s", self.doppler_rate_hz_s),
+            ("data_delay_s", self.data_delay_s),
+            ("data_error_rate", self.data_error_rate),
         ];
         let bad = numbers.iter().find(|(_, v)| !v.is_finite());
         match bad {
@@ -123,9 +136,24 @@ impl Emitter {
 
     /// Data symbol (+1 or -1) of this index.
     pub fn data_symbol(&self, index: i64) -> i8 {
-        match self.data_seed {
-            Some(seed) => 1 - 2 * (hash(seed, index as u64) >> 63) as i8,
-            None => 1,
+        let Some(seed) = self.data_seed else { return 1 };
+        let right = 1 - 2 * (hash(seed, index as u64) >> 63) as i8;
+        let wrong = (hash(hash(seed, ERRORS), index as u64) as f64) < self.data_error_rate * TWO_64;
+        if wrong {
+            -right
+        } else {
+            right
         }
+    }
+
+    /// Sign of the data while chip number `chip` is received, of symbols of so many code periods.
+    pub fn data_sign(&self, chip: i64, periods_per_symbol: i64) -> i8 {
+        let length = self.signal.code_length as i64 * periods_per_symbol;
+        self.data_symbol((chip - self.data_delay_chips()).div_euclid(length))
+    }
+
+    /// The delay of the data in chips.
+    pub fn data_delay_chips(&self) -> i64 {
+        (self.data_delay_s * self.signal.chip_rate_hz).round() as i64
     }
 }

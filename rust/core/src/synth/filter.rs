@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use crate::simd::synth::Loops;
 use crate::simd::Level;
-use crate::{Error, Result};
+use crate::{Error, Result, C64};
 
 /// Kaiser window for about 60 dB of stop-band attenuation (Oppenheim and Schafer, eq. 7.75).
 const BETA: f64 = 5.653;
@@ -94,6 +94,14 @@ impl Filter {
     /// Samples needed before and after those wanted.
     pub fn reach(&self) -> usize {
         self.even.len() - 1
+    }
+
+    /// Tap `k`, from -reach to reach.
+    pub fn tap(&self, k: i64) -> C64 {
+        let at = k.unsigned_abs() as usize;
+        let odd = self.odd.get(at).copied().unwrap_or(0.0);
+        let odd = if k < 0 { -odd } else { odd };
+        C64::new(f64::from(self.even[at]), f64::from(odd))
     }
 
     /// Gain of white noise, as a ratio of standard deviations.

@@ -27,7 +27,7 @@ fn mix(mut x: u64) -> u64 {
 
 /// 64 random bits from a key and a counter: element `counter` of the key's SplitMix64 sequence.
 #[inline(always)]
-pub(super) fn hash(key: u64, counter: u64) -> u64 {
+pub(crate) fn hash(key: u64, counter: u64) -> u64 {
     mix(key.wrapping_add(counter.wrapping_add(1).wrapping_mul(WEYL)))
 }
 
@@ -52,20 +52,20 @@ static TABLE: LazyLock<Box<Table>> = LazyLock::new(|| {
 
 /// One stream of unit-variance white Gaussian noise.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Noise {
+pub(crate) struct Noise {
     key: u64,
 }
 
 impl Noise {
     /// Stream number `stream` of a seed; streams are independent.
-    pub(super) fn new(seed: u64, stream: u64) -> Self {
+    pub(crate) fn new(seed: u64, stream: u64) -> Self {
         Noise {
             key: mix(hash(seed, stream)),
         }
     }
 
     /// Writes the noise of samples `start..start + out.len()`.
-    pub(super) fn fill(&self, loops: Loops, start: i64, out: &mut [f32]) {
+    pub(crate) fn fill(&self, loops: Loops, start: i64, out: &mut [f32]) {
         let (head, body) = out.split_at_mut(((start & 1) as usize).min(out.len()));
         let mut batch = [0.0; BATCH];
         if let [first] = head {

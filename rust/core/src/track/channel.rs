@@ -5,7 +5,7 @@ use super::config::TrackConfig;
 use super::epoch::{Epoch, Measured};
 use super::log::{ComboRows, State};
 use super::sideband::Sideband;
-use crate::dsp::band::Band;
+use super::source::Feed;
 
 /// Two integrations belong together if they begin within this, s.
 const PAIRED_S: f64 = 0.4e-3;
@@ -60,12 +60,13 @@ impl Channel {
         }
     }
 
-    /// Works off what the bands hold.
-    pub fn advance(&mut self, bands: &[Band]) {
+    /// Works off what there is.
+    pub fn advance<'a>(&mut self, feed: impl Into<Feed<'a>>) {
+        let feed = feed.into();
         loop {
             for (sideband, pending) in self.sidebands.iter_mut().zip(&mut self.pending) {
                 if pending.is_none() {
-                    *pending = sideband.advance(&bands[sideband.band]);
+                    *pending = sideband.advance(feed);
                 }
             }
             if !self.close() {

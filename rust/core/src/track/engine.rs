@@ -231,23 +231,36 @@ impl Tracker {
 
 fn build_channels(input: &Input, config: &TrackConfig, targets: &[Target]) -> Result<Vec<Channel>> {
     let fs = input.sample_rate_hz;
-    let mut satellites: Vec<((char, u16), Vec<Sideband>)> = Vec::new();
-    for target in targets {
+    let sideband = |target: &Target| {
         let spec = target.check(fs)?;
         let sideband = Sideband::new(spec, target.prn, fs, config, target.seed, input.start)?;
-        let key = (sideband.spec.system, target.prn);
+        Ok((target.prn, sideband))
+    };
+    let sidebands: Result<Vec<_>> = targets.iter().map(sideband).collect();
+    Ok(group(sidebands?, config, fs))
+}
+
+/// Channels of sidebands (with the numbers of their satellites), coupled where they can be.
+pub(crate) fn group(
+    sidebands: Vec<(u16, Sideband)>,
+    config: &TrackConfig,
+    sample_rate_hz: f64,
+) -> Vec<Channel> {
+    let mut satellites: Vec<((char, u16), Vec<Sideband>)> = Vec::new();
+    for (prn, sideband) in sidebands {
+        let key = (sideband.spec.system, prn);
         match satellites.iter_mut().find(|s| s.0 == key) {
             Some(satellite) => satellite.1.push(sideband),
             None => satellites.push((key, vec![sideband])),
         }
     }
-    Ok(satellites
+    satellites
         .into_iter()
         .flat_map(|((_, prn), sidebands)| {
-            let channel = move |s| Channel::new(prn, s, config, fs);
+            let channel = move |s| Channel::new(prn, s, config, sample_rate_hz);
             coupled(sidebands).into_iter().map(channel)
         })
-        .collect())
+        .collect()
 }
 
 /// Shares channels out among threads, the work as even as can be; and says where each went.

@@ -77,7 +77,7 @@ pub struct Target {
 
 impl Target {
     /// The signal, if it can be tracked at a sample rate.
-    pub(super) fn check(&self, sample_rate_hz: f64) -> Result<&'static SignalSpec> {
+    pub(crate) fn check(&self, sample_rate_hz: f64) -> Result<&'static SignalSpec> {
         let spec = signal::find(&self.signal)?;
         let Seed {
             sample,

@@ -17,5 +17,6 @@ pub mod log;
 pub mod loop_filter;
 pub mod quality;
 pub mod sideband;
+pub mod source;
 pub mod sync;
 pub mod taps;

@@ -6,18 +6,15 @@
 //!    +---- restart ---- Lost <------------- loss of lock ----------+
 //! ```
 
-use std::sync::Arc;
-
 use super::config::TrackConfig;
 use super::epoch::{Epoch, Seed};
 use super::frequency::FrequencyBlock;
 use super::log::{SignalRows, State};
 use super::loop_filter::LoopFilter;
 use super::quality::{Cn0, Lock, RunningMean};
+use super::source::{Feed, Source};
 use super::sync::{SecondarySync, SymbolSync};
 use super::taps::Taps;
-use crate::dsp::band::Band;
-use crate::dsp::correlator::Correlator;
 use crate::dsp::replica::{Replica, SLICE_S};
 use crate::signal::{Modulation, SignalSpec};
 use crate::{Result, C64};
@@ -42,8 +39,7 @@ pub struct Sideband {
     pub rows: SignalRows,
     pub(super) config: TrackConfig,
     pub(super) sample_rate_hz: f64,
-    replica: Arc<Replica>,
-    pub(super) correlator: Correlator,
+    pub(super) correlator: Source,
     pub(super) state: State,
     /// Known sign: pilot with its secondary code found.
     pub(super) signed: bool,
@@ -70,12 +66,6 @@ pub struct Sideband {
     pub(super) pull_in_s: f64,
 }
 
-/// At the start of a code period.
-fn correlator(replica: &Arc<Replica>, taps: &Taps, start: f64) -> Correlator {
-    let replica = Arc::clone(replica);
-    Correlator::with_outer_taps(replica, &taps.offsets, &taps.outer(), 0, start)
-}
-
 impl Sideband {
     /// A sideband that starts to pull in at the first code period that begins at or after
     /// `earliest` samples.
@@ -90,27 +80,43 @@ impl Sideband {
         seed: Seed,
         earliest: u64,
     ) -> Result<Self> {
+        Self::with_source(spec, prn, sample_rate_hz, config, |modulation, taps| {
+            let mut replica = Replica::new(spec, prn, modulation)?;
+            if let Some(companion) = spec.companion().filter(|_| config.data_component) {
+                replica = replica.with_companion(spec, companion, prn)?;
+            }
+            Ok(Source::samples(replica, taps))
+        })
+        .map(|mut sideband| {
+            sideband.restart(seed, earliest);
+            sideband
+        })
+    }
+
+    /// A sideband whose slices come from what `source` makes for its modulation and taps; to be
+    /// started by [`Sideband::restart`].
+    pub(crate) fn with_source(
+        spec: &'static SignalSpec,
+        prn: u16,
+        sample_rate_hz: f64,
+        config: &TrackConfig,
+        source: impl FnOnce(Modulation, &Taps) -> Result<Source>,
+    ) -> Result<Self> {
         let modulation = match spec.modulation {
             Modulation::Qmboc if !config.qmboc => Modulation::Boc11,
             m => m,
         };
-        let mut replica = Replica::new(spec, prn, modulation)?;
-        if let Some(companion) = spec.companion().filter(|_| config.data_component) {
-            replica = replica.with_companion(spec, companion, prn)?;
-        }
-        let replica = Arc::new(replica);
         let samples_per_chip = sample_rate_hz / spec.chip_rate_hz;
         let taps = Taps::new(modulation, &spec.code(prn)?, samples_per_chip);
-        let mut sideband = Sideband {
+        Ok(Sideband {
             spec,
             band: 0,
             modulation,
             rows: SignalRows::default(),
             config: config.clone(),
             sample_rate_hz,
-            correlator: correlator(&replica, &taps, 0.0),
+            correlator: source(modulation, &taps)?,
             taps,
-            replica,
             state: State::PullIn,
             signed: false,
             overlay: spec.secondary(prn)?,
@@ -122,7 +128,7 @@ impl Sideband {
             partial: None,
             carrier: LoopFilter::new(3, config.pull_in_pll_bandwidth_hz, SLICE_S),
             code: LoopFilter::new(1, 2.0 * config.dll_bandwidth_hz, SLICE_S),
-            doppler_hz: seed.doppler_hz,
+            doppler_hz: 0.0,
             frequency: FrequencyBlock::default(),
             phase_loop: false,
             cn0: Cn0::new(0.5),
@@ -130,9 +136,7 @@ impl Sideband {
             side_peaks: Default::default(),
             in_state_s: 0.0,
             pull_in_s: 0.0,
-        };
-        sideband.restart(seed, earliest);
-        Ok(sideband)
+        })
     }
 
     /// Starts afresh from a new acquisition, at or after `earliest` samples.
@@ -142,7 +146,7 @@ impl Sideband {
         let period = self.spec.code_length as f64 / rate * self.sample_rate_hz;
         let mut start = seed.sample as f64 + seed.code_delay_s * self.sample_rate_hz;
         start += ((earliest - start) / period).ceil().max(0.0) * period;
-        self.correlator = correlator(&self.replica, &self.taps, start);
+        self.correlator.start_at(start, &self.taps);
         self.sync = match self.symbol {
             None => Sync::Secondary(SecondarySync::new(self.overlay.clone())),
             Some(1) => Sync::Known,
@@ -161,6 +165,11 @@ impl Sideband {
         self.side_peaks = Default::default();
         self.enter(State::PullIn);
         self.steer(seed.doppler_hz, 0.0);
+    }
+
+    /// Where a search at a sample would find the signal, if it is simulated.
+    pub(crate) fn found(&self, sample: u64) -> Option<Seed> {
+        self.correlator.search(sample, self.config.cn0_min_dbhz)
     }
 
     /// Replica delay of each tap, seconds.
@@ -225,7 +234,7 @@ impl Sideband {
 
     /// Slices in a code period.
     pub(super) fn period(&self) -> usize {
-        self.replica.slices_per_period()
+        self.correlator.slices_per_period()
     }
 
     /// Longest integration that stays within a symbol once all is known, slices.
@@ -266,8 +275,9 @@ impl Sideband {
         );
     }
 
-    /// Works off what the band holds, up to the end of an integration.
-    pub fn advance(&mut self, band: &Band) -> Option<Epoch> {
+    /// Works off what there is, up to the end of an integration.
+    pub fn advance(&mut self, feed: Feed<'_>) -> Option<Epoch> {
+        let chips_per_slice = self.correlator.chips_per_slice();
         if self.state == State::Lost {
             return None;
         }
@@ -276,7 +286,7 @@ impl Sideband {
             let samples_per_chip = self.correlator.samples_per_chip();
             let code_chips = self.chips as f64 - self.correlator.fraction() / samples_per_chip;
             let sign = self.overlay_sign();
-            let slice = self.correlator.advance(band)?;
+            let slice = self.correlator.advance(feed, self.band)?;
             self.cn0.add_noise(slice.taps[self.taps.noise], SLICE_S);
             let epoch = self.partial.get_or_insert_with(|| Epoch {
                 taps: vec![C64::default(); slice.taps.len()],
@@ -293,7 +303,7 @@ impl Sideband {
             epoch.companion += slice.companion;
             epoch.slices += 1;
             epoch.samples += slice.samples;
-            self.chips += self.replica.chips_per_slice();
+            self.chips += chips_per_slice;
             self.position += 1;
             if self.position.is_multiple_of(self.length) {
                 // One that started half-way is of no use to the loops.

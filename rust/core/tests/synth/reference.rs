@@ -88,6 +88,8 @@ impl Reference {
                 f64::from(self.secondary[period.rem_euclid(self.secondary.len() as i64) as usize]);
         }
         if let Some(n) = self.symbol {
+            let late = (e.data_delay_s * e.signal.chip_rate_hz).round();
+            let period = ((chip - late) as i64).div_euclid(self.code.len() as i64);
             sign *= f64::from(e.data_symbol(period.div_euclid(n as i64)));
         }
         let square = |n: f64| {

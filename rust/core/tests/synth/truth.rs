@@ -113,6 +113,39 @@ fn any_delay() {
     }
 }
 
+/// Any part of a code period, either sign; the pilot, which has no data, does not care.
+#[test]
+fn late_and_wrong_data() {
+    for (signal, prn, data_delay_s) in [
+        ("B1I", 19, 0.0034),
+        ("B1CD", 27, 0.000_123_4),
+        ("L1CA", 5, -0.0271),
+        ("B1CP", 40, 0.004),
+    ] {
+        let e = Emitter {
+            data_delay_s,
+            data_error_rate: 0.3,
+            ..moving(signal, prn)
+        };
+        compare(&config("cf32", 25e6, 1568.259e6), &e, 0, 1_500_000);
+    }
+}
+
+#[test]
+fn so_many_symbols_are_wrong() {
+    let right = moving("B1I", 19);
+    for rate in [0.0, 0.1, 0.5, 1.0] {
+        let e = Emitter {
+            data_error_rate: rate,
+            ..right.clone()
+        };
+        let wrong = |k: &i64| e.data_symbol(*k) != right.data_symbol(*k);
+        let count = (-5000..5000).filter(wrong).count() as f64;
+        let standard_error = (10_000.0 * rate * (1.0 - rate)).sqrt();
+        assert!((count - 10_000.0 * rate).abs() <= 4.0 * standard_error);
+    }
+}
+
 #[test]
 fn profiles_of_power_code_and_carrier() {
     let profile = |knots: &[(f64, f64)]| Profile::new(knots.to_vec()).unwrap();

@@ -1,0 +1,111 @@
+"""Tracking without samples: the receiver's own loops on correlator outputs that are made up.
+
+A second of signal takes a fraction of a millisecond, so that thousands of runs of a scenario, or
+days of signal, become affordable. The scenario is the one that :func:`sdr_spoof.synthesize` takes;
+what it makes at IF level and what is made here have the same statistics (docs/design.md,
+"Correlator level", says what is left out).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from . import _core
+from .acquisition import NOT_BY_DEFAULT
+from .errors import ConfigError
+from .records import ComboTrack, SignalTrack, TrackLog
+from .row_store import RowStore
+from .scenario import transmissions
+from .sources import RecordingFormat
+from .tracking import TrackingConfig, core_settings
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from .scenario import RecordingPlan, Scenario, Transmission
+
+_ROWS_S = 10.0
+"""Rows are taken out of the core so often."""
+
+
+def simulate(
+    scenario: Scenario,
+    config: TrackingConfig | None = None,
+    *,
+    seed: int | None = None,
+    threads: int = 1,
+    rows_in: Path | None = None,
+) -> TrackLog:
+    """Track a scenario at correlator level, from its start to its end.
+
+    Every signal of the scenario is tracked (of a composite signal, what the receiver searches for
+    by default), from where a search at 0 s would have found it. Signals that are lost are found
+    again at whole seconds, where the strongest of their emitters is; a search misses none that
+    reaches ``cn0_min_dbhz``.
+
+    Args:
+        scenario: what is on the air, and the sample rate, band and filter that the receiver has.
+        config: loop settings.
+        seed: of noise and all random choices; replaces ``scenario.recording.seed``.
+        threads: worker threads; the result does not depend on it.
+        rows_in: folder for a temporary file that holds the rows, as in :func:`sdr_spoof.track`.
+
+    Returns:
+        The tracks that :func:`sdr_spoof.track` would give of the scenario's recording.
+
+    Raises:
+        ConfigError: a setting is out of range.
+        OutputError: the rows cannot be written to ``rows_in``.
+    """
+    if seed is not None:
+        plan = scenario.recording.model_copy(update={"seed": seed})
+        scenario = scenario.model_copy(update={"recording": plan})
+    plan = scenario.recording
+    simulator = _simulator(scenario, config or TrackingConfig(), threads)
+    rows = RowStore(rows_in)
+    step = max(1, round(_ROWS_S * plan.sample_rate_hz))
+    for end in range(step, plan.sample_count + step, step):
+        simulator.advance(min(end, plan.sample_count))
+        rows.append(SignalTrack, simulator.take_signals())
+        rows.append(ComboTrack, simulator.take_combos())
+    return TrackLog(
+        recording=scenario.title or "simulated",
+        sample_rate_hz=plan.sample_rate_hz,
+        duration_s=simulator.position() / plan.sample_rate_hz,
+        partial=False,
+        signals=rows.tracks(SignalTrack),
+        combos=rows.tracks(ComboTrack),
+    )
+
+
+def _simulator(scenario: Scenario, config: TrackingConfig, threads: int) -> _core.Simulator:
+    plan, on_air = scenario.recording, transmissions(scenario)
+    try:
+        return _core.Simulator(
+            plan.sample_rate_hz,
+            plan.lo_hz,
+            core_settings(config, _format(plan)),
+            [t.emitter for t in on_air],
+            _targets(on_air),
+            noise_power=plan.rms_lsb**2 * (2 if plan.is_complex else 1),
+            seed=plan.seed,
+            complex_samples=plan.is_complex,
+            bandwidth_hz=plan.bandwidth_hz,
+            centre_hz=plan.front_end_centre_hz,
+            filter_taps=plan.filter_taps,
+            reacquire=config.reacquire,
+            threads=threads,
+        )
+    except ValueError as error:
+        raise ConfigError(str(error)) from error
+
+
+def _format(plan: RecordingPlan) -> RecordingFormat:
+    shared = {"sample_format", "sample_rate_hz", "lo_hz", "bandwidth_hz"}
+    return RecordingFormat.model_validate(plan.model_dump(include=shared))
+
+
+def _targets(on_air: list[Transmission]) -> list[tuple[str, int]]:
+    """Signals and PRNs to track, each once."""
+    names = ((t.signal, t.prn) for t in on_air if t.signal not in NOT_BY_DEFAULT)
+    return list(dict.fromkeys(names))

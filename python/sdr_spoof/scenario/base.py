@@ -1,0 +1,15 @@
+"""What all tables of a scenario share."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import ConfigDict, Field
+
+REFERENCE_HZ = 1575.42e6
+"""Carrier at which Dopplers are stated that belong to no one signal."""
+SPEED_OF_LIGHT = 299_792_458.0
+
+Phase = float | Literal["random"]
+NonNegative = Annotated[float, Field(ge=0)]
+FROZEN = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)

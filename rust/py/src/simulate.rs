@@ -1,0 +1,76 @@
+//! Tracking on simulated correlator outputs.
+
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use sdr_spoof_core::correlator_level::{Setting, Simulator as CoreSimulator};
+use sdr_spoof_core::synth;
+
+use crate::synth::{filter, Emitter};
+use crate::to_py;
+use crate::track::{all_combo_rows, all_signal_rows, config};
+
+/// Tracks satellites whose correlator outputs are made up from their emitters.
+#[pyclass(module = "sdr_spoof._core")]
+struct Simulator(CoreSimulator);
+
+#[pymethods]
+impl Simulator {
+    #[new]
+    #[pyo3(signature = (sample_rate_hz, lo_hz, config_values, emitters, targets, *, noise_power,
+        seed=0, complex_samples=true, bandwidth_hz=None, centre_hz=None, filter_taps=63,
+        reacquire=true, threads=1))]
+    #[allow(clippy::too_many_arguments)] // keyword arguments in Python
+    fn new(
+        sample_rate_hz: f64,
+        lo_hz: f64,
+        config_values: &Bound<'_, PyDict>,
+        emitters: Vec<PyRef<'_, Emitter>>,
+        targets: Vec<(String, u16)>,
+        noise_power: f64,
+        seed: u64,
+        complex_samples: bool,
+        bandwidth_hz: Option<f64>,
+        centre_hz: Option<f64>,
+        filter_taps: usize,
+        reacquire: bool,
+        threads: usize,
+    ) -> PyResult<Self> {
+        let band = (bandwidth_hz, centre_hz.unwrap_or(lo_hz) - lo_hz);
+        let setting = Setting {
+            sample_rate_hz,
+            lo_hz,
+            filter: filter(sample_rate_hz, band, filter_taps, complex_samples)?,
+            noise_power,
+            seed,
+        };
+        let config = config(config_values)?;
+        let emitters: Vec<synth::Emitter> = emitters.iter().map(|e| e.0.clone()).collect();
+        CoreSimulator::new(&setting, &config, &emitters, &targets, reacquire, threads)
+            .map(Simulator)
+            .map_err(to_py)
+    }
+
+    /// Runs to the last whole step before sample `end`.
+    fn advance(&mut self, py: Python<'_>, end: u64) {
+        py.detach(|| self.0.advance(end));
+    }
+
+    /// Samples that have been simulated.
+    fn position(&self) -> u64 {
+        self.0.position()
+    }
+
+    /// Rows recorded since the last call: one dict per signal.
+    fn take_signals<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        all_signal_rows(py, self.0.channels_mut())
+    }
+
+    /// Rows recorded since the last call: one dict per satellite with two sidebands.
+    fn take_combos<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        all_combo_rows(py, self.0.channels_mut())
+    }
+}
+
+pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
+    m.add_class::<Simulator>()
+}
