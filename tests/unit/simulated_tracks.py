@@ -15,6 +15,7 @@ from sdr_spoof.records import ComboTrack, SignalTrack, State, TrackLog
 
 F_UPPER_HZ = 1575.42e6
 F_LOWER_HZ = 1561.098e6
+LIGHT_M_S = 299_792_458.0
 RATIO = F_UPPER_HZ / F_LOWER_HZ
 
 
@@ -94,6 +95,11 @@ def simulate_combo(satellite: Satellite, *, duration_s=20.0, epoch_s=0.01, seed=
         state=state,
         phase_lower_cycles=lower,
         phase_upper_cycles=upper,
+        main_phase_cycles=0.5 * (upper + lower),
+        subcarrier_phase_cycles=0.5 * (upper - lower),
+        subcarrier_range_m=LIGHT_M_S / (F_UPPER_HZ - F_LOWER_HZ) * (upper - lower),
+        code_delay_lower_s=lower / F_LOWER_HZ,
+        code_delay_upper_s=upper / F_UPPER_HZ,
         cn0_lower_dbhz=cn0_lower,
         cn0_upper_dbhz=cn0_upper,
         code_difference_s=1e-9 * rng.standard_normal(time.size),

@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-from sdr_spoof import _core, detectors
+from sdr_spoof import _core, detectors, signals
 from sdr_spoof.detectors import power
 from sdr_spoof.detectors.series import LOG10_P_FLOOR
 from sdr_spoof.fusion import evidence_of
 from sdr_spoof.records import Alarm, SatelliteVerdict, Verdict
 from sdr_spoof.verdict import CLEAN, NO_SUPPORT, SPOOFED, SUSPECT
 
-
-def satellite_name(system: str, prn: int) -> str:
-    """RINEX satellite name, e.g. C23; L1 C/A of SBAS and QZSS: S28 is PRN 128, J01 PRN 193."""
-    if system == "G" and prn >= 193:
-        return f"J{prn - 192:02d}"
-    if system == "G" and prn >= 120:
-        return f"S{prn - 100:02d}"
-    return f"{system}{prn:02d}"
+satellite_name = signals.satellite_name
 
 
 def band_name(signal: str | None) -> str:
