@@ -8,7 +8,7 @@ import pytest
 from commands import failing
 
 from sdr_spoof.cli import main
-from sdr_spoof.reproduce.combo import multipath, receiver_section
+from sdr_spoof.reproduce.combo import echo_section, multipath, receiver_section
 
 NUMBER = {
     "type": "object",
@@ -49,6 +49,8 @@ def short(monkeypatch):
     monkeypatch.setattr(receiver_section, "IF_QUICK_HZ", (1.0,))
     monkeypatch.setattr(receiver_section, "CN0S_DBHZ", (30.0,))
     monkeypatch.setattr(receiver_section, "SLOW_HZ", (1.0,))
+    monkeypatch.setattr(echo_section, "AMPLITUDES", (0.5,))
+    monkeypatch.setattr(echo_section, "LEAST_SPOOFED", 1)
 
 
 def test_quick_reproduction(tmp_path, capsys, short):
