@@ -26,10 +26,11 @@ if TYPE_CHECKING:
     from .detectors import DetectionConfig
     from .errors import ConfigError, OutputError, RecordingError, SdrSpoofError, SignalError
     from .info import inspect
+    from .isolation import Isolation
     from .pipeline import process
     from .records import Acquisition, ComboTrack, SignalTrack, State, TrackLog, Verdict
     from .report import write_report
-    from .scenario import load_scenario, synthesize
+    from .scenario import find_scenario, load_scenario, synthesize
     from .signals import signal_ids, signal_spec
     from .sinks.hdf5 import Result, read_result, write_result
     from .sources import Recording, RecordingFormat, open_recording
@@ -43,6 +44,7 @@ __all__ = [
     "Config",
     "ConfigError",
     "DetectionConfig",
+    "Isolation",
     "OutputError",
     "Recording",
     "RecordingError",
@@ -57,6 +59,7 @@ __all__ = [
     "Verdict",
     "acquire",
     "detect",
+    "find_scenario",
     "inspect",
     "load_config",
     "load_scenario",
@@ -79,10 +82,11 @@ _HOMES = {
     "detectors": ("DetectionConfig",),
     "errors": ("ConfigError", "OutputError", "RecordingError", "SdrSpoofError", "SignalError"),
     "info": ("inspect",),
+    "isolation": ("Isolation",),
     "pipeline": ("process",),
     "records": ("Acquisition", "ComboTrack", "SignalTrack", "State", "TrackLog", "Verdict"),
     "report": ("write_report",),
-    "scenario": ("load_scenario", "synthesize"),
+    "scenario": ("find_scenario", "load_scenario", "synthesize"),
     "signals": ("signal_ids", "signal_spec"),
     "sinks.hdf5": ("Result", "read_result", "write_result"),
     "sources": ("Recording", "RecordingFormat", "open_recording"),

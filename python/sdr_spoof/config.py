@@ -137,7 +137,7 @@ def _help(field: FieldInfo) -> str:
     text = (field.description or "").replace("%", "%%")
     default = field.get_default(call_default_factory=True, validated_data={})
     if isinstance(default, tuple | list):
-        default = ",".join(map(str, default))
+        default = ",".join("+".join(d) if isinstance(d, tuple) else str(d) for d in default)
     elif isinstance(default, bool):
         default = str(default).lower()
     return f"{text.rstrip('.')} (default: {default})" if default is not None else text

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from . import _core
 from .acquisition import NOT_BY_DEFAULT
 from .errors import ConfigError
+from .isolation import isolation_marks
 from .records import ComboTrack, SignalTrack, TrackLog
 from .row_store import RowStore
 from .scenario import transmissions
@@ -20,8 +21,10 @@ from .sources import RecordingFormat
 from .tracking import TrackingConfig, core_settings
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
+    from .isolation import Isolation
     from .scenario import RecordingPlan, Scenario, Transmission
 
 _ROWS_S = 10.0
@@ -32,6 +35,7 @@ def simulate(
     scenario: Scenario,
     config: TrackingConfig | None = None,
     *,
+    isolations: Sequence[Isolation] = (),
     seed: int | None = None,
     threads: int = 1,
     rows_in: Path | None = None,
@@ -46,6 +50,7 @@ def simulate(
     Args:
         scenario: what is on the air, and the sample rate, band and filter that the receiver has.
         config: loop settings.
+        isolations: signals that are not to be trusted, and when.
         seed: of noise and all random choices; replaces ``scenario.recording.seed``.
         threads: worker threads; the result does not depend on it.
         rows_in: folder for a temporary file that holds the rows, as in :func:`sdr_spoof.track`.
@@ -61,11 +66,15 @@ def simulate(
         plan = scenario.recording.model_copy(update={"seed": seed})
         scenario = scenario.model_copy(update={"recording": plan})
     plan = scenario.recording
-    simulator = _simulator(scenario, config or TrackingConfig(), threads)
+    simulator = core_simulator(scenario, config or TrackingConfig(), threads)
     rows = RowStore(rows_in)
     step = max(1, round(_ROWS_S * plan.sample_rate_hz))
-    for end in range(step, plan.sample_count + step, step):
-        simulator.advance(min(end, plan.sample_count))
+    marks = isolation_marks(isolations, plan.sample_rate_hz)
+    ends = {*range(step, plan.sample_count, step), *(at for at, _ in marks), plan.sample_count}
+    for end in sorted(end for end in ends if end <= plan.sample_count):
+        simulator.advance(end)
+        while marks and marks[0][0] <= end:
+            marks.pop(0)[1](simulator)
         rows.append(SignalTrack, simulator.take_signals())
         rows.append(ComboTrack, simulator.take_combos())
     return TrackLog(
@@ -78,7 +87,8 @@ def simulate(
     )
 
 
-def _simulator(scenario: Scenario, config: TrackingConfig, threads: int) -> _core.Simulator:
+def core_simulator(scenario: Scenario, config: TrackingConfig, threads: int) -> _core.Simulator:
+    """The core's part, which runs as far as it is told to and hands its rows out."""
     plan, on_air = scenario.recording, transmissions(scenario)
     try:
         return _core.Simulator(

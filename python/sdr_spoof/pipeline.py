@@ -217,7 +217,7 @@ def _compare(found: SatelliteVerdict, attacks: list[dict[str, Any]]) -> TruthCom
         capture_s=attack.get("capture_s"),
         drag_start_s=attack.get("drag_start_s"),
         verdict=found.verdict,
-        band=alarm.band if alarm else None,
-        onset_s=alarm.onset_s if alarm else None,
+        band=found.band,
+        onset_s=found.onset_s,
         alarm_s=alarm.alarm_s if alarm else None,
     )

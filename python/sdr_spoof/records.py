@@ -49,6 +49,8 @@ class State(IntEnum):
     """Secondary code or bit edges known; long integrations."""
     COMBO = 4
     """Tracked jointly with the other sideband of the satellite."""
+    CAPTURED = 5
+    """As SYNCED, but marked as captured by a spoofer; of a pair: one of its sidebands is."""
 
 
 PART_EPOCHS = 1 << 15
@@ -164,9 +166,20 @@ class ComboTrack(Track):
     time_s: NDArray[np.float64]
     integration_s: NDArray[np.float64]
     state: NDArray[np.uint8]
-    """COMBO where the joint loops ran, SYNCED where each sideband ran on its own."""
+    """COMBO where the joint loops ran, SYNCED where each sideband ran on its own, CAPTURED where it
+    did because one of them is marked as captured."""
     phase_lower_cycles: NDArray[np.float64]
     phase_upper_cycles: NDArray[np.float64]
+    main_phase_cycles: NDArray[np.float64]
+    """Half the sum of both phases, at (f_u + f_l) / 2."""
+    subcarrier_phase_cycles: NDArray[np.float64]
+    """Half the difference of both phases, upper minus lower, at (f_u - f_l) / 2."""
+    subcarrier_range_m: NDArray[np.float64]
+    """Pseudorange from the subcarrier's phase, its ambiguity resolved from the codes; up to whole
+    code periods of the upper signal. NaN until it is resolved, and where f_u = f_l."""
+    code_delay_lower_s: NDArray[np.float64]
+    """Measured code delay of the lower sideband at ``time_s``, up to whole code periods."""
+    code_delay_upper_s: NDArray[np.float64]
     cn0_lower_dbhz: NDArray[np.float64]
     cn0_upper_dbhz: NDArray[np.float64]
     code_difference_s: NDArray[np.float64]
@@ -207,6 +220,8 @@ class Alarm:
     """RINEX system letter of the satellite."""
     log10_p: float = 0.0
     """log10 of the probability that noise alone reaches the statistic in one test, clipped."""
+    quantity: str = ""
+    """What was measured, where the detector measures several things."""
 
 
 @dataclass(frozen=True)
@@ -215,11 +230,23 @@ class SatelliteVerdict:
 
     prn: int
     verdict: str
-    """'clean', 'spoofed' or 'not enough support'."""
+    """'clean', 'suspect', 'spoofed' or 'not enough support'."""
     alarms: tuple[Alarm, ...]
     reason: str
     system: str = "C"
     """RINEX system letter of the satellite."""
+    onset_s: float | None = None
+    """Start of what the verdict rests on; None without an alarm."""
+    band: str | None = None
+    """Signal that was captured, by all evidence; None where it cannot be told."""
+    band_confidence: float | None = None
+    """Probability that it is this band rather than another of the satellite."""
+    confidence: float | None = None
+    """One minus the probability that noise alone raises such an alarm in all that was tested."""
+    action: str = ""
+    """What to do with the satellite, in words."""
+    fallback: str | None = None
+    """Signal that can still be used where another was captured."""
 
 
 @dataclass(frozen=True)
@@ -230,3 +257,8 @@ class Verdict:
     satellites: tuple[SatelliteVerdict, ...]
     limits: str
     """In words, what these detectors cannot see."""
+
+    @property
+    def suspect(self) -> bool:
+        """Whether any satellite is under suspicion without being called spoofed."""
+        return any(s.verdict == "suspect" for s in self.satellites)

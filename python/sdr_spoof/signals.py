@@ -60,6 +60,11 @@ def signal_spec(signal: str) -> SignalSpec:
     return SignalSpec(**{**values, "prns": tuple(values["prns"])})
 
 
+def coherent_pairs() -> tuple[tuple[str, str], ...]:
+    """Pairs of signals with coherent carriers, which are tracked as one by default."""
+    return tuple(_core.signal_pairs())
+
+
 def components(name: str) -> list[str]:
     """Components of a composite signal (``B1C`` -> B1CD, B1CP), or the one signal so named.
 
@@ -70,3 +75,12 @@ def components(name: str) -> list[str]:
         return _core.signal_components(name)
     except ValueError as error:
         raise SignalError(str(error)) from error
+
+
+def satellite_name(system: str, prn: int) -> str:
+    """RINEX satellite name, e.g. C23; L1 C/A of SBAS and QZSS: S28 is PRN 128, J01 PRN 193."""
+    if system == "G" and prn >= 193:
+        return f"J{prn - 192:02d}"
+    if system == "G" and prn >= 120:
+        return f"S{prn - 100:02d}"
+    return f"{system}{prn:02d}"

@@ -8,22 +8,24 @@ seconds of the recording, so that the result does not depend on the size of the 
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from . import _core
 from .acquisition import AcquisitionConfig, acquire
 from .errors import ConfigError, RecordingError
 from .interrupt import held_back
+from .isolation import isolation_marks
 from .records import Acquisition, ComboTrack, SignalTrack, TrackLog
 from .row_store import RowStore
-from .signals import signal_spec
+from .signals import coherent_pairs, signal_spec
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from pathlib import Path
 
+    from .isolation import Isolation
     from .progress import Progress
     from .sources import RecordingFormat
     from .sources.source import Source
@@ -32,6 +34,15 @@ BLOCK_BYTES = 8 << 20
 """Samples read and fed at a time. Larger blocks leave the processor's cache and read slower."""
 QMBOC_HALF_BANDWIDTH_HZ = 7.161e6
 """The BOC(6,1) part of the B1C pilot lies 6.138 MHz beside the carrier, one lobe each way."""
+
+
+def _split(pair: Any) -> Any:
+    """Read ``B1I+B1CP`` as two names."""
+    return pair.split("+") if isinstance(pair, str) else pair
+
+
+SignalPair = Annotated[tuple[str, str], BeforeValidator(_split)]
+"""Two signals of a satellite; in text, with a plus sign between them."""
 
 
 class TrackingConfig(BaseModel):
@@ -53,6 +64,9 @@ class TrackingConfig(BaseModel):
     )
     main_bandwidth_hz: float = Field(10.0, gt=0, description="main-carrier loop of a combo")
     subcarrier_bandwidth_hz: float = Field(5.0, gt=0, description="subcarrier loop of a combo")
+    code_bias_bandwidth_hz: float = Field(
+        0.1, gt=0, description="loop of a combo that follows the difference of the two codes"
+    )
     integration_ms: int = Field(
         10,
         description="longest coherent integration, 1, 2, 4, 5, 10 or 20 ms; never beyond a symbol",
@@ -62,7 +76,12 @@ class TrackingConfig(BaseModel):
         None,
         description="receive the B1C pilot's BOC(6,1) part too; unset = where the bandwidth allows",
     )
-    combo: bool = Field(True, description="track B1I and B1C of a satellite jointly")
+    combo: bool = Field(True, description="track the pairs of signals of a satellite jointly")
+    pairs: tuple[SignalPair, ...] = Field(
+        default_factory=coherent_pairs,
+        description="signals with coherent carriers that are tracked as one, such as B1I+B1CP; "
+        "where a satellite has several such pairs, the first",
+    )
     data_component: bool = Field(
         False, description="correlate the B1C data component too, with the pilot's oscillators"
     )
@@ -74,6 +93,7 @@ def track(
     acquisitions: Sequence[Acquisition],
     config: TrackingConfig | None = None,
     *,
+    isolations: Sequence[Isolation] = (),
     threads: int | None = None,
     block_s: float | None = None,
     rows_in: Path | None = None,
@@ -86,6 +106,7 @@ def track(
         acquisitions: where to start; entries that are not ``detected`` are passed over. All
             must hold at the same sample.
         config: loop settings.
+        isolations: signals that are not to be trusted, and when.
         threads: worker threads, all cores by default; the result does not depend on it.
         block_s: signal fed to the core at a time, 8 MB by default; the result does not depend on
             it.
@@ -98,7 +119,8 @@ def track(
         two signals. An interrupt (Ctrl-C) ends tracking early and gives a log marked partial.
 
     Raises:
-        ConfigError: a setting is out of range, or the acquisitions are of different samples.
+        ConfigError: a setting is out of range, the acquisitions are of different samples, or a
+            signal to isolate is not tracked.
         SignalError: the recording cannot hold a signal.
         RecordingError: the recording cannot be read.
         OutputError: the rows cannot be written to ``rows_in``.
@@ -112,13 +134,16 @@ def track(
     tracker = _tracker(recording, targets, config, start, threads or os.cpu_count() or 1)
     rows = RowStore(rows_in)
     rate = recording.format.sample_rate_hz
+    marks = isolation_marks(isolations, rate)
     partial = False
     try:
-        for begin, count in _blocks(recording, start, block_s):
+        for begin, count in _blocks(recording, start, block_s, [at for at, _ in marks]):
             if begin > start and _is_whole_second(recording, begin):
                 _take_rows(tracker, rows)
                 if config.reacquire:
                     _reacquire(tracker, recording, begin, threads)
+            while marks and marks[0][0] <= begin:
+                marks.pop(0)[1](tracker)
             tracker.feed(recording.read_raw(begin, count))
             if progress:
                 progress((begin + count - start) / rate, (recording.sample_count - start) / rate)
@@ -203,7 +228,9 @@ def _holds_qmboc(form: RecordingFormat) -> bool:
     return min(offset - low, high - offset) >= QMBOC_HALF_BANDWIDTH_HZ
 
 
-def _blocks(recording: Source, start: int, block_s: float | None) -> Iterator[tuple[int, int]]:
+def _blocks(
+    recording: Source, start: int, block_s: float | None, cuts: Sequence[int] = ()
+) -> Iterator[tuple[int, int]]:
     """(first sample, count) of the blocks; cut also at whole seconds of the recording."""
     form, rate = recording.format, recording.format.sample_rate_hz
     size = BLOCK_BYTES * 8 // form.bits_per_sample if block_s is None else round(block_s * rate)
@@ -213,7 +240,8 @@ def _blocks(recording: Source, start: int, block_s: float | None) -> Iterator[tu
         second = _second(recording, int(begin / rate) + 1)
         if second <= begin:
             second = _second(recording, int(begin / rate) + 2)
-        end = min(begin + size, second, recording.sample_count)
+        others = (cut for cut in cuts if cut > begin)
+        end = min(begin + size, second, recording.sample_count, *others)
         yield begin, end - begin
         begin = end
 

@@ -30,7 +30,10 @@ def test_the_spoofed_satellite_band_and_time_are_found(attacked, processed):
     found = {s.prn: s for s in verdict.satellites}
     assert {p for p, s in found.items() if s.verdict == "spoofed"} == {attack["prn"]}
     assert all(s.verdict == "clean" for p, s in found.items() if p != attack["prn"])
-    (alarm,) = found[attack["prn"]].alarms
+    satellite = found[attack["prn"]]
+    alarm = satellite.alarms[0]
+    assert satellite.band in attack["components"]
+    assert satellite.fallback == "B1I"
     assert alarm.band in attack["components"]
     # Not before it is on the air (but for the length of an integration); seen by the drag.
     assert attack["start_s"] - 0.02 < alarm.onset_s < attack["drag_start_s"]

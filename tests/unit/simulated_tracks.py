@@ -9,11 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from simulated_taps import SAMPLE_RATE_HZ, offsets_chips, simulated_taps
 
 from sdr_spoof.records import ComboTrack, SignalTrack, State, TrackLog
 
 F_UPPER_HZ = 1575.42e6
 F_LOWER_HZ = 1561.098e6
+LIGHT_M_S = 299_792_458.0
 RATIO = F_UPPER_HZ / F_LOWER_HZ
 
 
@@ -93,6 +95,11 @@ def simulate_combo(satellite: Satellite, *, duration_s=20.0, epoch_s=0.01, seed=
         state=state,
         phase_lower_cycles=lower,
         phase_upper_cycles=upper,
+        main_phase_cycles=0.5 * (upper + lower),
+        subcarrier_phase_cycles=0.5 * (upper - lower),
+        subcarrier_range_m=LIGHT_M_S / (F_UPPER_HZ - F_LOWER_HZ) * (upper - lower),
+        code_delay_lower_s=lower / F_LOWER_HZ,
+        code_delay_upper_s=upper / F_UPPER_HZ,
         cn0_lower_dbhz=cn0_lower,
         cn0_upper_dbhz=cn0_upper,
         code_difference_s=1e-9 * rng.standard_normal(time.size),
@@ -107,17 +114,16 @@ def sideband(combo: ComboTrack, signal: str, *, seed=2) -> SignalTrack:
     phase = combo.phase_upper_cycles if upper else combo.phase_lower_cycles
     time = combo.time_s
     chip_rate, carrier = (1.023e6, F_UPPER_HZ) if upper else (2.046e6, F_LOWER_HZ)
-    offsets = np.array([-0.5, -0.25, 0.0, 0.25, 0.5]) / chip_rate
-    triangle = 1 - np.abs(offsets) * chip_rate
+    modulation = "Boc11" if upper else "Bpsk"
     cn0 = combo.cn0_upper_dbhz if upper else combo.cn0_lower_dbhz
     amplitude = np.sqrt(2 * 10 ** (cn0 / 10) * combo.integration_s)
-    taps = amplitude[:, None] * triangle + rng.standard_normal((time.size, 5))
+    taps = simulated_taps(modulation, amplitude, rng)
     code = chip_rate * (time - phase / carrier) + 0.003 * rng.standard_normal(time.size)
     return SignalTrack(
         signal=signal,
         prn=combo.prn,
-        modulation="Boc11" if upper else "Bpsk",
-        tap_offsets_s=offsets,
+        modulation=modulation,
+        tap_offsets_s=offsets_chips(modulation) / chip_rate,
         prompt_tap=2,
         time_s=time,
         integration_s=combo.integration_s,
@@ -129,7 +135,7 @@ def sideband(combo: ComboTrack, signal: str, *, seed=2) -> SignalTrack:
         code_error_chips=np.zeros(time.size),
         cn0_dbhz=cn0,
         phase_lock=np.full(time.size, 0.98),
-        noise_power=np.full(time.size, 256.0),
+        noise_power=2.0 / (SAMPLE_RATE_HZ * combo.integration_s),
         taps=taps.astype(np.complex64),
         data_prompt=np.zeros(time.size, np.complex64),
     )
@@ -142,4 +148,4 @@ def simulate_log(*satellites: Satellite, single=(), duration_s=20.0, seed=1) -> 
     for satellite, name in single:
         combo = simulate_combo(satellite, duration_s=duration_s, seed=seed)
         signals.append(sideband(combo, name))
-    return TrackLog("simulated", 120e6, duration_s, False, tuple(signals), combos)
+    return TrackLog("simulated", SAMPLE_RATE_HZ, duration_s, False, tuple(signals), combos)

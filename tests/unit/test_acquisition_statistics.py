@@ -26,7 +26,12 @@ def test_correlated_cells_lower_the_threshold():
     assert threshold(1e-3, 1, 4096, 20, (0.9999999,)) < chi2.isf(1e-3 / 10, 40)
 
 
-GRIDS = [(Grid("B1I", 10, 4), 63 * 16), (Grid("L1CA", 4, 6), 81 * 12), (Grid("B1CP", 3, 2), 53 * 5)]
+GRIDS = [
+    (Grid("B1I", 10, 4), 63 * 16),
+    (Grid("L1CA", 4, 6), 81 * 12),
+    (Grid("B1CP", 3, 2), 53 * 5),
+    (Grid("E5AQ", 4, 2), 36 * 8),
+]
 
 
 @pytest.mark.parametrize(("grid", "searches"), GRIDS, ids=lambda g: getattr(g, "signal", ""))

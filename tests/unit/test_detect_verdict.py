@@ -10,7 +10,15 @@ from sdr_spoof.detectors import DetectionConfig, windows
 from sdr_spoof.detectors.phase_difference_rate import statistic
 from sdr_spoof.errors import ConfigError
 from sdr_spoof.records import State
-from sdr_spoof.verdict import detect, statistics
+from sdr_spoof.verdict import detect as fused
+from sdr_spoof.verdict import statistics
+
+RATE = DetectionConfig(detectors=("phase_difference_rate",))
+
+
+def detect(log, config=RATE):
+    """The verdict of one detector alone; all of them are in test_fusion.py."""
+    return fused(log, config)
 
 
 def only_alarm(verdict):
@@ -24,7 +32,9 @@ def test_clean_satellites_raise_no_alarm():
         for prn, cn0, doppler in ((19, 45, 3000), (23, 40, -3000), (34, 35, 500), (36, 30, -1200))
     ]
     for model in ("published", "thermal"):
-        verdict = detect(simulate_log(*satellites), DetectionConfig(threshold_model=model))
+        verdict = detect(
+            simulate_log(*satellites), RATE.model_copy(update={"threshold_model": model})
+        )
         assert not verdict.spoofed
         assert [s.verdict for s in verdict.satellites] == ["clean"] * 4
         assert "coherent" in verdict.limits
@@ -92,7 +102,7 @@ def test_a_difference_that_turned_all_along_began_no_later_than_its_piece(drag_h
         "phase_upper_cycles": combo.phase_upper_cycles + drag_hz * np.maximum(combo.time_s - 6, 0),
         "state": np.where(abs(combo.time_s - 7.0) < 1.0, State.LOST, combo.state),
     }
-    config = DetectionConfig()
+    config = RATE
     alarm = only_alarm(detect(with_combo(combo, **changes), config))
     assert alarm.onset_s == pytest.approx(8.0 + config.settle_s, abs=0.02)
     assert alarm.alarm_s == pytest.approx(alarm.onset_s + config.window_s, abs=0.02)
@@ -143,9 +153,9 @@ def test_a_long_track_is_tested_in_sections_like_a_whole(monkeypatch, start_s):
         Satellite(25),
     ]
     log = simulate_log(*satellites)
-    verdict, whole = detect(log), list(statistics(log, DetectionConfig()))
+    verdict, whole = detect(log), list(statistics(log, RATE))
     monkeypatch.setattr(windows, "SECTION_EPOCHS", 700)
-    in_sections = list(statistics(log, DetectionConfig()))
+    in_sections = list(statistics(log, RATE))
     assert len(in_sections) == 9
     for k, one in enumerate(whole):
         parts = in_sections[3 * k : 3 * k + 3]

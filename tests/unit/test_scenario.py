@@ -11,10 +11,10 @@ from sdr_spoof.errors import ConfigError
 from sdr_spoof.scenario import (
     InducedAttack,
     Scenario,
-    builtin_names,
     builtin_scenario,
     find_scenario,
     load_scenario,
+    scenario_names,
     transmissions,
     truth,
 )
@@ -53,7 +53,7 @@ def scenario(attack: dict[str, object] | None = None, **satellite: object) -> Sc
     )
 
 
-@pytest.mark.parametrize("name", builtin_names())
+@pytest.mark.parametrize("name", scenario_names())
 def test_shipped_scenarios_are_valid(name: str) -> None:
     shipped = builtin_scenario(name)
     assert len(shipped.satellite) >= 3

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from sdr_spoof.cli import main
-from sdr_spoof.scenario import builtin_names
+from sdr_spoof.scenario import scenario_names
 
 SHORT = """
 [recording]
@@ -28,10 +28,10 @@ power_ramp_s = 0.1
 def test_list_names_every_scenario(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["synth", "--list", "--json"]) == 0
     rows = json.loads(capsys.readouterr().out)["scenarios"]
-    assert [r["name"] for r in rows] == builtin_names()
+    assert [r["name"] for r in rows] == scenario_names()
     assert main(["synth", "--list"]) == 0
     printed = capsys.readouterr().out
-    assert all(name in printed for name in builtin_names())
+    assert all(name in printed for name in scenario_names())
 
 
 def test_speed_up(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

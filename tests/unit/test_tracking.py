@@ -1,52 +1,17 @@
 """Tracking of synthesised signals: truth, states, and independence of blocks and threads."""
 
-from dataclasses import fields
-from pathlib import Path
-
 import numpy as np
 import pytest
+from synthetic import LO_HZ, RATE_HZ, Synthetic, same, seed_of
 
 from sdr_spoof import _core
 from sdr_spoof.acquisition import AcquisitionConfig, acquire
 from sdr_spoof.errors import ConfigError
 from sdr_spoof.records import Acquisition, State
 from sdr_spoof.sinks.hdf5 import Result, write_result
-from sdr_spoof.sources import RecordingFormat, open_recording
+from sdr_spoof.sources import open_recording
 from sdr_spoof.studies import tracking as study
 from sdr_spoof.tracking import TrackingConfig, track
-
-RATE_HZ = 20e6
-LO_HZ = 1568.259e6
-
-
-class Synthetic:
-    """A recording of given emitters."""
-
-    def __init__(self, emitters, duration_s, *, rate_hz=RATE_HZ, lo_hz=LO_HZ, seed=5):
-        self.path = Path("synthetic")
-        self.format = RecordingFormat(sample_format="ci8", sample_rate_hz=rate_hz, lo_hz=lo_hz)
-        self.sample_count = round(duration_s * rate_hz)
-        self._synthesizer = _core.Synthesizer(
-            "ci8", rate_hz, lo_hz, emitters, noise_rms_lsb=16.0, seed=seed
-        )
-
-    def read_raw(self, start, count):
-        return self._synthesizer.generate(start, max(0, min(count, self.sample_count - start)))
-
-    def check_signal(self, signal):
-        pass
-
-    def signals(self):
-        return ["B1I", "B1CP"]
-
-
-def seed_of(emitter, signal, prn, *, doppler_error_hz=4.0):
-    """What a good acquisition at sample 0 would give."""
-    spec = _core.signal_spec(signal)
-    phase = float(emitter.code_phase_chips(np.zeros(1))[0])
-    delay_s = (-phase % spec["code_length"] + 0.03) / spec["chip_rate_hz"]
-    doppler_hz = float(emitter.doppler_hz(np.zeros(1))[0]) + doppler_error_hz
-    return Acquisition(signal, prn, True, 0, doppler_hz, delay_s, 45.0, 99.0, 9.0, 50.0)
 
 
 def run_one(signal, prn, *, duration_s=1.5, cn0_dbhz=45.0, config=None, **more):
@@ -55,19 +20,10 @@ def run_one(signal, prn, *, duration_s=1.5, cn0_dbhz=45.0, config=None, **more):
     emitter = _core.Emitter(
         signal, prn, cn0_dbhz, delay_s=0.0712345, doppler_hz=1234.5, data_seed=3, **more
     )
-    source = Synthetic([emitter], duration_s, rate_hz=8e6, lo_hz=spec["carrier_hz"] - 0.4e6)
+    rate_hz = max(8e6, 1.25 * spec["chip_rate_hz"])
+    source = Synthetic([emitter], duration_s, rate_hz=rate_hz, lo_hz=spec["carrier_hz"] - 0.4e6)
     log = track(source, [seed_of(emitter, signal, prn)], config, threads=1)
     return log.signals[0], emitter
-
-
-def same(a, b):
-    for field in fields(a):
-        x, y = getattr(a, field.name), getattr(b, field.name)
-        if isinstance(x, np.ndarray):
-            assert x.dtype == y.dtype
-            assert x.tobytes() == y.tobytes(), field.name
-        else:
-            assert x == y, field.name
 
 
 @pytest.fixture(scope="module")
@@ -139,6 +95,8 @@ def test_joining_makes_no_phase_jump(log):
         ("B1CD", 30, 0.010),
         ("L1CA", 7, 0.010),
         ("L1CA", 131, 0.002),  # SBAS
+        ("E5AQ", 1, 0.010),
+        ("E5BQ", 36, 0.010),
     ],
 )
 def test_every_signal_synchronises_and_follows_the_truth(signal, prn, integration_s):
@@ -147,9 +105,9 @@ def test_every_signal_synchronises_and_follows_the_truth(signal, prn, integratio
     assert t.integration_s[-1] == pytest.approx(integration_s)
     rows = (t.state == State.SYNCED) & (t.time_s > t.time_s[t.state == State.SYNCED][0] + 0.3)
     time_s = t.time_s[rows]
-    # Carrier: grows as range grows, the pilot's sign known, the others' up to half a cycle.
+    # Carrier: grows as range grows, the pilots' sign known, the others' up to half a cycle.
     error = t.carrier_phase_cycles[rows] + emitter.received_phase_cycles(time_s)
-    ambiguity = 1.0 if signal == "B1CP" else 0.5
+    ambiguity = 1.0 if _core.periods_per_symbol(signal, prn) is None else 0.5
     error -= np.round(error.mean() / ambiguity) * ambiguity
     spec = _core.signal_spec(signal)
     cn0 = 10 ** (4.5 + (np.log10(29 / 33) if signal == "B1CP" else 0.0))
@@ -199,7 +157,8 @@ def test_b1i_joins_the_data_component_where_there_is_no_pilot():
         for signal in ("B1CD", "B1I")
     }
     found = [seed_of(e, signal, 30) for signal, e in emitters.items()]
-    log = track(Synthetic(list(emitters.values()), 4.0), found, threads=2)
+    config = TrackingConfig(pairs=(("B1I", "B1CD"),))
+    log = track(Synthetic(list(emitters.values()), 4.0), found, config, threads=2)
     (combo,) = log.combos
     assert combo.state[-1] == State.COMBO
     assert all((t.state != State.LOST).all() for t in log.signals)

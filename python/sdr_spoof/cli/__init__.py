@@ -18,7 +18,7 @@ from pydantic import ValidationError
 
 from sdr_spoof.errors import ConfigError, SdrSpoofError
 
-from . import acquire, bench, demo, info, process, reproduce, synth, track, validate
+from . import acquire, bench, campaign, demo, info, process, reproduce, synth, track, validate
 from .command import INTERRUPTED, Command, Outcome, to_plain
 from .ui import Ui
 
@@ -34,6 +34,7 @@ COMMANDS: tuple[Command, ...] = (
     track.COMMAND,
     process.COMMAND,
     demo.COMMAND,
+    campaign.COMMAND,
     bench.COMMAND,
     validate.COMMAND,
     reproduce.COMMAND,

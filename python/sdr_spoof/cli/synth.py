@@ -47,9 +47,9 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
 
 
 def _list() -> Outcome:
-    from sdr_spoof.scenario import builtin_names, builtin_scenario  # noqa: PLC0415
+    from sdr_spoof.scenario import builtin_scenario, scenario_names  # noqa: PLC0415
 
-    shipped = {name: builtin_scenario(name) for name in builtin_names()}
+    shipped = {name: builtin_scenario(name) for name in scenario_names()}
     rows = [
         {"name": name, "title": s.title, "duration_s": s.recording.duration_s}
         for name, s in shipped.items()

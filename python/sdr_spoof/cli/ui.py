@@ -10,9 +10,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    Progress,
+    ProgressColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 
 from sdr_spoof.progress import silent
+
+from .pace import Pace
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -21,6 +30,8 @@ if TYPE_CHECKING:
     from sdr_spoof.progress import Progress as ProgressCallback
 
 NAME = "sdr-spoof"
+_LINE_EVERY_S = 60.0
+"""Between two lines of progress in a log."""
 _WIDTH = 100
 """Columns where the output is no terminal, so that tables are not cut."""
 
@@ -57,6 +68,38 @@ class Ui:
         return silent(label) if self.json_mode else self._line(label)
 
     @contextmanager
+    def paced(self, label: str, unit: str) -> Iterator[ProgressCallback | None]:
+        """Show how many are done, the rate and the remaining time; in a log, a line a minute."""
+        pace = Pace(unit)
+        if self._show:
+            with self._bars(TextColumn("{task.fields[pace]}")) as bars:
+                task = bars.add_task(label, total=1.0, pace="")
+
+                def show(done: float, total: float) -> None:
+                    pace.note(done, total)
+                    bars.update(task, completed=done, total=total, pace=str(pace))
+
+                yield show
+        elif self.json_mode:
+            yield None
+        else:
+            yield self._log(label, pace)
+            self.note(f"{label}: {pace}")
+
+    def _log(self, label: str, pace: Pace) -> ProgressCallback:
+        """Prints a line now and then."""
+        last = time.monotonic()
+
+        def show(done: float, total: float) -> None:
+            nonlocal last
+            pace.note(done, total)
+            if time.monotonic() - last >= _LINE_EVERY_S:
+                last = time.monotonic()
+                self.note(f"{label}: {pace}")
+
+        return show
+
+    @contextmanager
     def _line(self, label: str) -> Iterator[None]:
         """One line per stage, for logs."""
         start = time.monotonic()
@@ -65,14 +108,15 @@ class Ui:
 
     @contextmanager
     def _bar(self, label: str) -> Iterator[ProgressCallback]:
-        columns = (
+        with self._bars(TimeElapsedColumn(), TimeRemainingColumn()) as bars:
+            task = bars.add_task(label, total=1.0)
+            yield lambda done, total: bars.update(task, completed=done, total=total)
+
+    def _bars(self, *columns: ProgressColumn) -> Progress:
+        first = (
             TextColumn("{task.description:<14}"),
             BarColumn(),
             TextColumn("{task.percentage:>3.0f} %"),
-            TimeElapsedColumn(),
-            TimeRemainingColumn(),
         )
         console = Console(file=sys.stderr, force_terminal=self._forced or None)
-        with Progress(*columns, console=console) as bars:
-            task = bars.add_task(label, total=1.0)
-            yield lambda done, total: bars.update(task, completed=done, total=total)
+        return Progress(*first, *columns, console=console)

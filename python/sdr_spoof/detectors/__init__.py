@@ -8,12 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Literal
 
 from sdr_spoof.detectors import (
     code_difference,
     code_minus_carrier,
+    delta_metric,
     phase_difference_glr,
     phase_difference_rate,
+    power,
+    ratio_metric,
 )
 from sdr_spoof.detectors.config import DetectionConfig
 from sdr_spoof.detectors.series import StatisticSeries
@@ -35,6 +39,9 @@ class Detector:
     """What it cannot see, in words for the report."""
     statistics: Callable[[TrackLog, DetectionConfig], Iterator[StatisticSeries]]
     """Series after series, so that no more than one need be in memory."""
+    evidence: Literal["consistency", "quality"] = "consistency"
+    """Of 'consistency' between what must move together: an alarm means spoofing. Of signal
+    'quality', which multipath and interference change too: an alarm is a suspicion."""
 
 
 DETECTORS: dict[str, Detector] = {
@@ -76,6 +83,35 @@ DETECTORS: dict[str, Detector] = {
             "a drag whose carrier follows its code; a capture that was complete before the "
             "recording began, or during a loss of lock or the seconds after it",
             code_minus_carrier.statistics,
+        ),
+        *(
+            Detector(
+                name,
+                f"{metric} metric{which}",
+                f"whether the {what} of each correlation peak {verb}",
+                "a spoofer that is far stronger than the satellite, or far from its peak; changes "
+                "slower than its reference; it cannot tell multipath from a spoofer",
+                statistics,
+                "quality",
+            )
+            for metric, what, module in (
+                ("Delta", "symmetry", delta_metric),
+                ("Ratio", "flatness", ratio_metric),
+            )
+            for name, which, verb, statistics in (
+                (module.NAME, "", "has changed", module.mean),
+                (module.SCATTER, ", moving variance", "has become restless", module.scatter),
+            )
+        ),
+        Detector(
+            power.NAME,
+            "Power",
+            "whether power has risen beyond what its past explains: C/N0, the band's noise, or the "
+            "one against the other",
+            "a spoofer as strong as the satellite; one that raises its power slowly; it cannot "
+            "tell interference, multipath or a change of gain from a spoofer",
+            power.statistics,
+            "quality",
         ),
     )
 }

@@ -13,7 +13,16 @@ class DetectionConfig(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     detectors: tuple[str, ...] = Field(
-        ("phase_difference_rate",), min_length=1, description="Detectors to run, by registry name."
+        (
+            "phase_difference_rate",
+            "delta_metric",
+            "delta_metric_variance",
+            "ratio_metric",
+            "ratio_metric_variance",
+            "power",
+        ),
+        min_length=1,
+        description="Detectors to run, by registry name.",
     )
     rule: str = Field("threshold", description="Decision rule, by registry name.")
     false_alarm_probability: float = Field(
@@ -114,4 +123,47 @@ class DetectionConfig(BaseModel):
         0.01,
         ge=0.0,
         description="Innocent drift of code minus carrier (twice the ionosphere's), in m/s.",
+    )
+
+    # Fusion.
+    fusion_together_s: float = Field(
+        10.0,
+        gt=0.0,
+        description="Alarms of one satellite whose onsets are at most this far apart count as one "
+        "event when its band is sought, in s.",
+    )
+    attribution_confidence: float = Field(
+        0.95,
+        gt=0.5,
+        lt=1.0,
+        description="A band is named from this probability on that it is the captured one.",
+    )
+    # Signal quality: delta_metric, ratio_metric and their variances.
+    quality_window_s: float = Field(
+        1.0, ge=0.1, le=60.0, description="Window of the signal-quality metrics, in s."
+    )
+    quality_reference_s: float = Field(
+        10.0,
+        ge=0.5,
+        description="Signal before the window that their mean and scatter are compared with, in s.",
+    )
+    # Power.
+    power_window_s: float = Field(
+        1.0, ge=0.1, le=60.0, description="Window of the power averages, in s."
+    )
+    power_reference_s: float = Field(
+        20.0,
+        ge=0.5,
+        description="Signal before the window whose largest average a rise is measured from, in s.",
+    )
+    power_wander_db: float = Field(
+        0.5,
+        ge=0.0,
+        description="Standard deviation of innocent changes of power (multipath, attitude), in dB.",
+    )
+    power_noise_floor: float | None = Field(
+        None,
+        gt=0.0,
+        description="Calibrated noise power per sample of the band, in squared units of the "
+        "samples; left out, the noise is compared with itself.",
     )

@@ -44,9 +44,8 @@ def present(log: TrackLog, combo: ComboTrack, min_cn0_dbhz: float) -> NDArray[np
 def empty(track: SignalTrack, cn0_dbhz: float) -> NDArray[np.bool_]:
     """Rows within any window whose mean prompt power is below the given C/N0, shape (N,)."""
     interval = track.integration_s
-    noise_tap = int(np.argmax(np.abs(track.tap_offsets_s)))
-    chip_s = 1.0 / signal_spec(track.signal).chip_rate_hz
-    if interval.size == 0 or abs(float(track.tap_offsets_s[noise_tap])) < NOISE_CHIPS * chip_s:
+    noise_tap = find_noise_tap(track)
+    if interval.size == 0 or noise_tap is None:
         return np.zeros(interval.size, dtype=np.bool_)
     epoch_s = float(np.median(interval))
     power, noise = (
@@ -59,3 +58,10 @@ def empty(track: SignalTrack, cn0_dbhz: float) -> NDArray[np.bool_]:
     low = uniform_filter1d(excess, width, mode="nearest") <= 0.0
     # A window stands at its middle row: spread each back over all its rows.
     return np.asarray(binary_dilation(low, np.ones(width, np.bool_)))
+
+
+def find_noise_tap(track: SignalTrack) -> int | None:
+    """Index of the tap that sees noise alone; None where all are near the peak."""
+    furthest = int(np.argmax(np.abs(track.tap_offsets_s)))
+    chip_s = 1.0 / signal_spec(track.signal).chip_rate_hz
+    return furthest if abs(float(track.tap_offsets_s[furthest])) >= NOISE_CHIPS * chip_s else None

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
 
+from sdr_spoof.records import Alarm
+
 LOG10_P_FLOOR = -30.0
 """Significance is clipped here: no noise model is trusted further into its tail."""
 
@@ -52,6 +54,12 @@ class StatisticSeries:
     threshold_sigmas: float | None = None
     """Threshold in standard deviations that the detector's own law sets, for a rate of false
     alarms over all its overlapping windows; None where a probability per test sets it."""
+
+    def raised(self, alarm: Alarm) -> bool:
+        """Whether an alarm is of this series, in any section of the track."""
+        of = (alarm.system, alarm.prn, alarm.detector, alarm.quantity)
+        mine = (self.system, self.prn, self.detector, self.quantity)
+        return of == mine and self.signal in (None, alarm.band)
 
     def covers(self, time_s: float) -> bool:
         """Whether one of its tests may have this time: the sections of a track do not overlap."""

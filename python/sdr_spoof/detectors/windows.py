@@ -67,3 +67,11 @@ def slope_sigma(value_sigma: NDArray[np.float64], rows: int, epoch_s: float) -> 
     The textbook law sigma^2 / sum (t - mean t)^2 = 12 sigma^2 / (T^2 N (N^2 - 1)).
     """
     return np.asarray(value_sigma * np.sqrt(12.0 / (rows * (rows**2 - 1.0))) / epoch_s)
+
+
+def moving_sum(
+    values: NDArray[np.float64], start: NDArray[np.int64], stop: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Sum over rows [start, stop) of each window, which may differ in length; O(N)."""
+    total = np.concatenate(([0.0], np.cumsum(values)))
+    return np.asarray(total[stop] - total[start])

@@ -12,6 +12,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 
 from sdr_spoof.detectors import DetectionConfig
 from sdr_spoof.errors import OutputError
+from sdr_spoof.fusion import per_test
 from sdr_spoof.records import Acquisition, Alarm, SatelliteVerdict, TrackLog, Verdict
 from sdr_spoof.report import words
 from sdr_spoof.report.figures.difference import Margin, TruthMark, draw_difference, draw_margins
@@ -20,9 +21,9 @@ from sdr_spoof.report.figures.signals import draw_acquisition, draw_cn0
 from sdr_spoof.report.figures.spectrum import draw_spectrum
 from sdr_spoof.report.spectrum import RecordingLike, estimate_spectrum
 from sdr_spoof.sinks.atomic import replacing
-from sdr_spoof.verdict import NO_SUPPORT, SPOOFED, statistics, system_of
+from sdr_spoof.verdict import CLEAN, NO_SUPPORT, SPOOFED, SUSPECT, statistics, system_of
 
-MARKS = {SPOOFED: "✖", "clean": "✔", NO_SUPPORT: "–"}
+MARKS = {SPOOFED: "✖", SUSPECT: "?", CLEAN: "✔", NO_SUPPORT: "–"}
 MOST_DETAILS = 16
 """Satellites drawn in detail, worst news first; more would make the report slow and large."""
 LIBRARIES = ("sdr-spoof", "numpy", "scipy", "matplotlib")
@@ -50,6 +51,7 @@ def write_report(
     if path.exists() and not force:
         raise OutputError(f"{path}: exists already; add --force to replace it")
     ordered = words.ordered(verdict)
+    leading = words.leading_alarms(verdict)
     tests = _draw_tests(log, ordered, detection, truth)
     hit = [(s.system, s.prn) for s in ordered if s.verdict == SPOOFED]
     signals = list(
@@ -60,7 +62,8 @@ def write_report(
         words=words,
         verdict=verdict,
         level=words.level(verdict),
-        alarms=[a for s in ordered for a in s.alarms],
+        alarms=leading,
+        actions=[words.action_sentence(s) for s in ordered if s.verdict == SPOOFED],
         tested=words.tested_sentence(verdict, detection.detectors),
         satellites=ordered,
         marks=MARKS,
@@ -72,8 +75,8 @@ def write_report(
         spectrum_figure=draw_spectrum(spectrum, signals) if spectrum is not None else None,
         cn0_figure=draw_cn0(log, hit) if log.signals else None,
         margins_figure=draw_margins([*tests.margins.values()], hit) if tests.margins else None,
-        key_figures=[(a, tests.alarms[a]) for s in ordered for a in s.alarms],
-        details=list(_details(ordered[:MOST_DETAILS], log, tests.quiet)),
+        key_figures=[(a, tests.alarms[a]) for a in leading],
+        details=list(_details(ordered[:MOST_DETAILS], log, tests, leading)),
         left_out=[words.satellite_name(s.system, s.prn) for s in ordered[MOST_DETAILS:]],
         config=list(flatten(effective_config or {"detection": detection.model_dump()})),
         versions=[(name, version(name)) for name in LIBRARIES]
@@ -114,18 +117,19 @@ def _draw_tests(
     verdicts = {(s.system, s.prn): s for s in satellites}
     detailed = {(s.system, s.prn) for s in satellites[:MOST_DETAILS]}
     drawn = _Tests()
+    shown = per_test(config)
     for series in statistics(log, config):
         if series.time_s.size:
             key = series.system, series.prn
             mark = truth if _concerns(truth, *key) else None
             for alarm in verdicts[key].alarms:
-                if alarm.detector == series.detector and series.covers(alarm.alarm_s):
-                    drawn.alarms[alarm] = draw_difference(series, config, alarm, mark)
-            margin = Margin.of(series, config)
+                if series.raised(alarm) and series.covers(alarm.alarm_s):
+                    drawn.alarms[alarm] = draw_difference(series, shown, alarm, mark)
+            margin = Margin.of(series, shown)
             if key not in drawn.margins or margin.of_threshold > drawn.margins[key].of_threshold:
                 drawn.margins[key] = margin
                 if not verdicts[key].alarms and key in detailed:
-                    drawn.quiet[key] = draw_difference(series, config, None, mark)
+                    drawn.quiet[key] = draw_difference(series, shown, None, mark)
         del series  # before the next one is made: they are large
     return drawn
 
@@ -137,14 +141,16 @@ def _concerns(truth: TruthMark | None, system: str, prn: int) -> bool:
 def _details(
     satellites: Sequence[SatelliteVerdict],
     log: TrackLog,
-    differences: Mapping[tuple[str, int], str],
-) -> Iterator[tuple[SatelliteVerdict, str, str | None]]:
-    """(satellite, small multiples, its difference figure unless shown above)."""
+    tests: _Tests,
+    leading: Sequence[Alarm],
+) -> Iterator[tuple[SatelliteVerdict, str, str | None, list[tuple[Alarm, str]]]]:
+    """(satellite, small multiples, its closest test if all were quiet, alarms not shown above)."""
     for satellite in satellites:
         key = satellite.system, satellite.prn
         tracks = [t for t in log.signals if (system_of(t.signal), t.prn) == key]
-        onset_s = min((a.onset_s for a in satellite.alarms), default=None)
-        yield satellite, draw_satellite(tracks, onset_s, log.duration_s), differences.get(key)
+        figure = draw_satellite(tracks, satellite.onset_s, log.duration_s)
+        more = [(a, tests.alarms[a]) for a in satellite.alarms if a not in leading]
+        yield satellite, figure, tests.quiet.get(key), more
 
 
 def flatten(config: Mapping[str, object], prefix: str = "") -> Iterator[tuple[str, str]]:

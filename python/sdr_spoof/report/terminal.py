@@ -10,10 +10,15 @@ from rich.text import Text
 from sdr_spoof.detectors import DetectionConfig
 from sdr_spoof.records import Verdict
 from sdr_spoof.report import words
-from sdr_spoof.verdict import CLEAN, SPOOFED
+from sdr_spoof.verdict import CLEAN, SPOOFED, SUSPECT
 
-COLOURS = {"spoofed": "bold red", "clean": "bold green", "unsupported": "bold yellow"}
-MARKS = {SPOOFED: ("✖", "red"), CLEAN: ("✔", "green")}
+COLOURS = {
+    "spoofed": "bold red",
+    "suspect": "bold yellow",
+    "clean": "bold green",
+    "unsupported": "bold yellow",
+}
+MARKS = {SPOOFED: ("✖", "red"), SUSPECT: ("?", "yellow"), CLEAN: ("✔", "green")}
 
 
 def print_verdict(
@@ -24,11 +29,13 @@ def print_verdict(
     config = config or DetectionConfig()
     colour = COLOURS[words.level(verdict)]
     lines = [Text(words.headline(verdict), style=colour)]
-    for satellite in words.ordered(verdict):
-        for alarm in satellite.alarms:
-            lines.append(Text(words.alarm_sentence(alarm), style="bold"))
-            lines.append(Text(f"  {words.evidence(alarm)}"))
-            lines.append(Text(f"  How sure: {words.sureness(alarm)}."))
+    for alarm in words.leading_alarms(verdict):
+        lines.append(Text(words.alarm_sentence(alarm), style="bold"))
+        lines.append(Text(f"  {words.evidence(alarm)}"))
+        lines.append(Text(f"  How sure: {words.sureness(alarm)}."))
+    lines.extend(
+        Text(words.action_sentence(s)) for s in words.ordered(verdict) if s.verdict == SPOOFED
+    )
     lines.append(Text(words.tested_sentence(verdict, config.detectors)))
     console.print(Panel(Group(*lines), title="Verdict", border_style=colour, padding=(1, 2)))
     if verdict.satellites:
@@ -43,6 +50,6 @@ def _table(verdict: Verdict) -> Table:
         table.add_column(title, no_wrap=title != "Why")
     for names, s in words.rows(verdict):
         mark, colour = MARKS.get(s.verdict, ("–", "yellow"))
-        onset = f"{min(a.onset_s for a in s.alarms):.2f} s" if s.alarms else ""
+        onset = f"{s.onset_s:.2f} s" if s.onset_s is not None else ""
         table.add_row(names, Text(f"{mark} {s.verdict}", style=colour), onset, s.reason)
     return table

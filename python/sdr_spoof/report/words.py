@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from sdr_spoof import _core, detectors
+from sdr_spoof import _core, detectors, signals
+from sdr_spoof.detectors import power
 from sdr_spoof.detectors.series import LOG10_P_FLOOR
+from sdr_spoof.fusion import evidence_of
 from sdr_spoof.records import Alarm, SatelliteVerdict, Verdict
-from sdr_spoof.verdict import NO_SUPPORT, SPOOFED
+from sdr_spoof.verdict import CLEAN, NO_SUPPORT, SPOOFED, SUSPECT
 
-
-def satellite_name(system: str, prn: int) -> str:
-    """RINEX satellite name, e.g. C23; L1 C/A of SBAS and QZSS: S28 is PRN 128, J01 PRN 193."""
-    if system == "G" and prn >= 193:
-        return f"J{prn - 192:02d}"
-    if system == "G" and prn >= 120:
-        return f"S{prn - 100:02d}"
-    return f"{system}{prn:02d}"
+satellite_name = signals.satellite_name
 
 
 def band_name(signal: str | None) -> str:
@@ -29,15 +24,18 @@ def headline(verdict: Verdict) -> str:
     """The answer in two or three words."""
     return {
         "spoofed": "Spoofing detected",
+        "suspect": "Suspicious signals",
         "clean": "No spoofing found",
         "unsupported": "Not enough support for a verdict",
     }[level(verdict)]
 
 
 def level(verdict: Verdict) -> str:
-    """'spoofed', 'clean' or 'unsupported', for colours and icons."""
+    """'spoofed', 'suspect', 'clean' or 'unsupported', for colours and icons."""
     if verdict.spoofed:
         return "spoofed"
+    if verdict.suspect:
+        return "suspect"
     return "clean" if has_support(verdict) else "unsupported"
 
 
@@ -49,11 +47,60 @@ def has_support(verdict: Verdict) -> bool:
 def alarm_sentence(alarm: Alarm) -> str:
     """Satellite, band and time of an alarm."""
     who = satellite_name(alarm.system, alarm.prn)
-    if alarm.band is None:
-        what = "the carriers of its two bands no longer move together; which one left is unclear"
-    else:
-        what = f"its {band_name(alarm.band)} carrier left its course"
-    return f"{who}: {what}, since {alarm.onset_s:.2f} s."
+    return f"{who}: {_what(alarm)}, since {alarm.onset_s:.2f} s."
+
+
+def _what(alarm: Alarm) -> str:
+    band = band_name(alarm.band)
+    if evidence_of(alarm.detector) == "quality":
+        if alarm.detector == power.NAME:
+            return f"{alarm.quantity} of its {band} signal rose; multipath or a spoofer"
+        return f"the correlation peak of its {band} signal changed shape; multipath or a spoofer"
+    thing = "code" if alarm.detector.startswith("code") else "carrier"
+    if alarm.band is not None:
+        return f"its {band} {thing} left its course"
+    return f"the {thing}s of its two bands no longer move together; which one left is unclear"
+
+
+def leading_alarms(verdict: Verdict) -> list[Alarm]:
+    """What the verdict rests on: the first alarm of each spoofed or suspect satellite, and all
+    others of consistency."""
+    return [
+        alarm
+        for s in ordered(verdict)
+        for k, alarm in enumerate(s.alarms)
+        if k == 0 or evidence_of(alarm.detector) == "consistency"
+    ]
+
+
+def action_sentence(satellite: SatelliteVerdict) -> str:
+    """Which band was captured, how sure that is, and what to do."""
+    who = satellite_name(satellite.system, satellite.prn)
+    if satellite.band is None:
+        return f"{who}: which band was captured cannot be told; {satellite.action}."
+    sure = f", {satellite.band_confidence:.1%} sure" if satellite.band_confidence else ""
+    return f"{who}: captured is {band_name(satellite.band)}{sure}; {satellite.action}."
+
+
+def figure_title(alarm: Alarm) -> str:
+    """Heading of the figure of an alarm."""
+    who = satellite_name(alarm.system, alarm.prn)
+    if alarm.detector.startswith("phase_difference"):
+        return f"{who}: the two carriers part"
+    of = f" of {band_name(alarm.band)}" if alarm.band else ""
+    quantity = f" ({alarm.quantity})" if alarm.quantity else ""
+    return f"{who}: {detectors.find(alarm.detector).title}{quantity}{of}"
+
+
+def figure_note(alarm: Alarm) -> str:
+    """What the figure of an alarm shows."""
+    if alarm.detector.startswith("phase_difference"):
+        return (
+            "Both carriers of a satellite come from one clock. Scaled to one frequency, their "
+            "phase difference stands still; a spoofer who drags one of them away turns it. Gaps: "
+            "a loop had lost lock; the phase goes on where it ended."
+        )
+    return f"It tests {detectors.find(alarm.detector).tests}. Shaded: what noise does."
 
 
 def sureness(alarm: Alarm) -> str:
@@ -89,8 +136,8 @@ def tested_sentence(verdict: Verdict, names: tuple[str, ...]) -> str:
 
 def ordered(verdict: Verdict) -> list[SatelliteVerdict]:
     """Satellites with the worst news first, then by name."""
-    rank = {SPOOFED: 0, NO_SUPPORT: 2}
-    return sorted(verdict.satellites, key=lambda s: (rank.get(s.verdict, 1), s.system, s.prn))
+    rank = {SPOOFED: 0, SUSPECT: 1, CLEAN: 2, NO_SUPPORT: 3}
+    return sorted(verdict.satellites, key=lambda s: (rank[s.verdict], s.system, s.prn))
 
 
 def rows(verdict: Verdict) -> list[tuple[str, SatelliteVerdict]]:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import multiprocessing
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import TypeVar
 
 import numpy as np
 
+from sdr_spoof.campaign.workers import local
 from sdr_spoof.progress import Progress
 
 Case = TypeVar("Case")
@@ -21,10 +21,13 @@ CHUNK = 8
 
 def workers(threads: int) -> AbstractContextManager[Executor | None]:
     """Processes for :func:`repeat`; None for one thread, which needs no other."""
-    if threads == 1:
-        return nullcontext()
-    context = multiprocessing.get_context("spawn")
-    return ProcessPoolExecutor(threads, mp_context=context)
+    return nullcontext() if threads == 1 else _pool(threads)
+
+
+@contextmanager
+def _pool(threads: int) -> Iterator[Executor]:
+    with local(threads) as pool:
+        yield pool.executor
 
 
 def seed_of(study: int, case: Iterable[float], number: int) -> int:

@@ -5,12 +5,12 @@ For files only: nothing here drives a transmitter.
 
 from .attack import Asynchronous, InducedAttack, Meaconing, Multipath, Ray
 from .emitters import Transmission, transmissions
-from .load import builtin_names, builtin_scenario, find_scenario, load_scenario
+from .load import builtin_scenario, find_scenario, load_scenario, scenario_names
 from .model import Scenario
 from .recording_plan import RecordingPlan
 from .satellite import Satellite
 from .synthesis import open_synthesizer, synthesize, truth_path
-from .truth import truth
+from .truth import attack_timelines, truth
 
 __all__ = [
     "Asynchronous",
@@ -22,11 +22,12 @@ __all__ = [
     "Satellite",
     "Scenario",
     "Transmission",
-    "builtin_names",
+    "attack_timelines",
     "builtin_scenario",
     "find_scenario",
     "load_scenario",
     "open_synthesizer",
+    "scenario_names",
     "synthesize",
     "transmissions",
     "truth",

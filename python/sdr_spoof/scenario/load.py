@@ -23,23 +23,28 @@ def load_scenario(path: Path | str) -> Scenario:
     return validated(Scenario, load_toml(path), in_file(path))
 
 
-def builtin_names() -> list[str]:
+def scenario_names() -> list[str]:
     """Names of the scenarios that come with the package."""
     return sorted(p.stem for p in _DATA.glob("*.toml"))
 
 
 def builtin_scenario(name: str) -> Scenario:
-    """A scenario that comes with the package, such as ``demo``; see :func:`builtin_names`.
+    """A scenario that comes with the package, such as ``demo``; see :func:`scenario_names`.
 
     Raises:
         ConfigError: there is none of this name.
     """
-    names = builtin_names()
+    names = scenario_names()
     if name not in names:
         near = difflib.get_close_matches(name, names, n=1)
         hint = f"did you mean '{near[0]}'?" if near else f"known: {', '.join(names)}"
         raise ConfigError(f"no scenario '{name}' comes with the package; {hint}")
-    return load_scenario(_DATA / f"{name}.toml")
+    return load_scenario(scenario_path(name))
+
+
+def scenario_path(name: str) -> Path:
+    """File of a scenario that comes with the package."""
+    return _DATA / f"{name}.toml"
 
 
 def find_scenario(name: Path | str) -> Scenario:

@@ -59,16 +59,21 @@ def truth(scenario: Scenario, *, sample_count: int | None = None) -> dict[str, A
         "partial": count < plan.sample_count,
         "interval_s": interval_s,
         "definitions": __doc__,
-        "attacks": _attacks(scenario, hostile=True),
-        "disturbances": _attacks(scenario, hostile=False),
+        "attacks": attack_timelines(scenario),
+        "disturbances": attack_timelines(scenario, hostile=False),
         "time_s": _rounded(time_s, 9),
         "emitters": [_emitter(t, time_s) for t in transmissions(scenario)],
         "scenario": scenario.model_dump(),
     }
 
 
-def _attacks(scenario: Scenario, *, hostile: bool) -> list[dict[str, Any]]:
-    """One entry for each satellite of each attack, or of what is none."""
+def attack_timelines(scenario: Scenario, *, hostile: bool = True) -> list[dict[str, Any]]:
+    """The truth's entries: one for each satellite of each attack, or of what is none.
+
+    Each has ``kind``, ``role``, ``system``, ``prn``, ``signals``, ``components``, ``start_s``,
+    ``end_s``, ``capture_s`` and ``drag_start_s`` (None where there is no such moment), and what
+    its kind adds.
+    """
     return [
         _attack(attack, satellite, signals)
         for number, attack in enumerate(scenario.attack)

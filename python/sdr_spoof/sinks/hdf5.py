@@ -2,7 +2,8 @@
 
 Layout: ``/`` holds ``partial`` and ``format_version``; ``/recording`` the format of the samples;
 ``/config`` the effective configuration (JSON); ``/acquisitions`` one column per field;
-``/tracks/<signal>_<prn>`` and ``/combos/<prn>`` one column per field, one row per epoch;
+``/tracks/<signal>_<prn>`` and ``/combos/<lower>_<upper>_<prn>`` one column per field, one row per
+epoch;
 ``/verdict`` with tables of satellites and alarms. Every dataset has the attribute ``units``
 ("1" where it has none). No dates are stored.
 """
@@ -125,7 +126,9 @@ def _write_log(file: h5py.File, log: TrackLog) -> None:
         records.write_track(tracks.create_group(f"{track.signal}_{track.prn:03d}"), track)
     combos = file.create_group("combos", track_order=True)
     for combo in log.combos:
-        records.write_track(combos.create_group(f"{combo.prn:03d}"), combo)
+        records.write_track(
+            combos.create_group(f"{combo.lower}_{combo.upper}_{combo.prn:03d}"), combo
+        )
 
 
 def _read(file: h5py.File) -> Result:

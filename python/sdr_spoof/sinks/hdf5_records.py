@@ -25,6 +25,7 @@ UNITS = {
     "_s": "s",
     "_cycles": "cycle",
     "_chips": "chip",
+    "_m": "m",
     "sample_index": "sample",
 }
 """Units by the ending of a field's name; "1" for all others."""

@@ -32,9 +32,13 @@ if TYPE_CHECKING:
 
     Progress = Callable[[float, float], None]
 
-SAMPLE_RATE_HZ = 16e6
-"""Of the complex samples that hold signals; high enough that the code's spectrum hardly folds."""
-NOISE_RATE_HZ = 5e6
+SAMPLE_RATE = 16 / 4.096
+"""Of the complex samples that hold signals, in rates of the search; high enough that the code's
+spectrum hardly folds."""
+NOISE_RATE = 5 / 4.096
+"""Of those of noise alone: all of the search's band must be there."""
+LEAST_SEARCH_RATE_HZ = 4.096e6
+"""Slower searches (C/A) get the samples of this one."""
 SATELLITES = 4
 """In one synthetic recording of the detection study; their mutual noise is below 0.1 dB."""
 
@@ -58,6 +62,11 @@ class Grid:
         """Code period, the coherent integration."""
         spec = _core.signal_spec(self.signal)
         return float(spec["code_length"] / spec["chip_rate_hz"])
+
+    @property
+    def rate_hz(self) -> float:
+        """Rate of the search, to which that of the samples is chosen."""
+        return max(_core.search_rate_hz(self.signal), LEAST_SEARCH_RATE_HZ)
 
     def threshold(self, pfa: float, cells: int) -> float:
         """Threshold of one search of ``cells`` cells."""
@@ -101,12 +110,12 @@ def false_alarms(
     """
     prns = _core.signal_spec(grid.signal)["prns"]
     statistics: list[float] = []
-    cells = 0
+    cells, rate_hz = 0, NOISE_RATE * grid.rate_hz
     for trial in range(-(-searches // len(prns))):
         rng = np.random.default_rng([seed, trial])
-        count = round((grid.blocks + 1) * grid.period_s * NOISE_RATE_HZ) + 4096
+        count = round((grid.blocks + 1) * grid.period_s * rate_hz) + 4096
         noise = np.clip(np.rint(rng.normal(0.0, 25.0, 2 * count)), -128, 127).astype(np.int8)
-        search = _search(grid, noise.view(np.uint8), NOISE_RATE_HZ, threads)
+        search = _search(grid, noise.view(np.uint8), rate_hz, threads)
         peaks = search.run([(p, -grid.reach, grid.reach) for p in prns])
         statistics += [p.statistic for p in peaks]
         cells = peaks[0].cells
@@ -188,17 +197,18 @@ def _trial(
         )
         for prn, delay, doppler in zip(prns, delays, dopplers, strict=True)
     ]
+    rate_hz = SAMPLE_RATE * grid.rate_hz
     synthesizer = _core.Synthesizer(
         "ci8",
-        SAMPLE_RATE_HZ,
+        rate_hz,
         spec["carrier_hz"],
         emitters,
         noise_rms_lsb=25.0,
         seed=int(rng.integers(2**32)),
         threads=threads,
     )
-    count = round((grid.blocks + 1) * grid.period_s * SAMPLE_RATE_HZ) + 4096
-    search = _search(grid, synthesizer.generate(0, count), SAMPLE_RATE_HZ, threads)
+    count = round((grid.blocks + 1) * grid.period_s * rate_hz) + 4096
+    search = _search(grid, synthesizer.generate(0, count), rate_hz, threads)
     peaks = search.run([(prn, -grid.reach, grid.reach) for prn in prns])
     return [
         peak.cn0_dbhz - cn0_dbhz

@@ -18,11 +18,12 @@ from __future__ import annotations
 import csv
 import json
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from sdr_spoof import _core
+from sdr_spoof.correlator_level import simulate
 from sdr_spoof.records import Acquisition, State
 from sdr_spoof.scenario import Scenario, transmissions
 from sdr_spoof.scenario.live import LiveRecording
@@ -157,18 +158,18 @@ def measure(
     *,
     config: TrackingConfig | None = None,
     threads: int | None = None,
+    level: Literal["if", "correlator"] = "if",
 ) -> list[Jitter]:
     """Jitter of the single-sideband loops and of the combo loops in a :func:`scenario`."""
     config = config or TrackingConfig()
-    logs = [
-        track(
-            LiveRecording(plan, threads),
-            seeds(plan),
-            config.model_copy(update={"combo": combo, "reacquire": False}),
-            threads=threads,
-        )
-        for combo in (False, True)
-    ]
+    logs = []
+    for combo in (False, True):
+        settings = config.model_copy(update={"combo": combo, "reacquire": False})
+        if level == "correlator":
+            logs.append(simulate(plan, settings, threads=threads or 1))
+        else:
+            recording = LiveRecording(plan, threads)
+            logs.append(track(recording, seeds(plan), settings, threads=threads))
     return [*_single(plan, logs[0], config, cn0_dbhz), *_combo(plan, logs[1], config, cn0_dbhz)]
 
 

@@ -44,6 +44,12 @@ fn signal_components(name: &str) -> PyResult<Vec<&'static str>> {
         .collect())
 }
 
+/// Pairs of signals with coherent carriers, as tracked by default.
+#[pyfunction]
+fn signal_pairs() -> Vec<(&'static str, &'static str)> {
+    signal::PAIRS.to_vec()
+}
+
 /// Primary code chips, +1/-1.
 #[pyfunction]
 fn code_chips<'py>(py: Python<'py>, id: &str, prn: u16) -> PyResult<Bound<'py, PyArray1<i8>>> {
@@ -105,6 +111,7 @@ pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(signal_ids, m)?)?;
     m.add_function(wrap_pyfunction!(signal_spec, m)?)?;
     m.add_function(wrap_pyfunction!(signal_components, m)?)?;
+    m.add_function(wrap_pyfunction!(signal_pairs, m)?)?;
     m.add_function(wrap_pyfunction!(code_chips, m)?)?;
     m.add_function(wrap_pyfunction!(secondary_chips, m)?)?;
     m.add_function(wrap_pyfunction!(periods_per_symbol, m)?)?;

@@ -60,6 +60,16 @@ impl Simulator {
         self.0.position()
     }
 
+    /// Marks a signal as captured: its pair is parted, both go on by themselves.
+    fn isolate(&mut self, system: char, prn: u16, signal: &str) -> PyResult<()> {
+        self.0.isolate(system, prn, signal).map_err(to_py)
+    }
+
+    /// Takes such marks of a satellite away.
+    fn rejoin(&mut self, system: char, prn: u16) -> PyResult<()> {
+        self.0.rejoin(system, prn).map_err(to_py)
+    }
+
     /// Rows recorded since the last call: one dict per signal.
     fn take_signals<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         all_signal_rows(py, self.0.channels_mut())

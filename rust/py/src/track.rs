@@ -42,10 +42,12 @@ pub(crate) fn config(values: &Bound<'_, PyDict>) -> PyResult<TrackConfig> {
         dll_bandwidth_hz: get(values, "dll_bandwidth_hz")?,
         main_bandwidth_hz: get(values, "main_bandwidth_hz")?,
         subcarrier_bandwidth_hz: get(values, "subcarrier_bandwidth_hz")?,
+        code_bias_bandwidth_hz: get(values, "code_bias_bandwidth_hz")?,
         integration_ms: get(values, "integration_ms")?,
         cn0_min_dbhz: get(values, "cn0_min_dbhz")?,
         qmboc: get(values, "qmboc")?,
         combo: get(values, "combo")?,
+        pairs: get(values, "pairs")?,
         data_component: get(values, "data_component")?,
     })
 }
@@ -105,6 +107,16 @@ impl Tracker {
     /// Restarts a lost signal from a new acquisition.
     fn restart(&mut self, seed: TargetTuple) -> PyResult<()> {
         self.0.restart(&target(seed)).map_err(to_py)
+    }
+
+    /// Marks a signal as captured: its pair is parted, both go on by themselves.
+    fn isolate(&mut self, system: char, prn: u16, signal: &str) -> PyResult<()> {
+        self.0.isolate(system, prn, signal).map_err(to_py)
+    }
+
+    /// Takes such marks of a satellite away.
+    fn rejoin(&mut self, system: char, prn: u16) -> PyResult<()> {
+        self.0.rejoin(system, prn).map_err(to_py)
     }
 
     /// Rows recorded since the last call: one dict per signal.
@@ -195,6 +207,11 @@ fn combo_rows<'py>(py: Python<'py>, channel: &mut Channel) -> PyResult<Bound<'py
         state,
         phase_lower_cycles,
         phase_upper_cycles,
+        main_phase_cycles,
+        subcarrier_phase_cycles,
+        subcarrier_range_m,
+        code_delay_lower_s,
+        code_delay_upper_s,
         cn0_lower_dbhz,
         cn0_upper_dbhz,
         code_difference_s,

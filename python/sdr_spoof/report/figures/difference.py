@@ -12,10 +12,12 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
+from sdr_spoof import detectors
 from sdr_spoof.detectors import DetectionConfig, StatisticSeries
 from sdr_spoof.records import Alarm
 from sdr_spoof.report.figures import style
 from sdr_spoof.report.words import satellite_name
+from sdr_spoof.signals import signal_spec
 
 Window = tuple[float, float]
 """Times between which a panel shows a series."""
@@ -69,16 +71,28 @@ def draw_difference(
             _rate(column[1], series, config, window)
             for axes in column:
                 _marks(axes, alarm, truth)
-        panels[0, 0].set_ylabel("Phase difference\n(cycles)")
-        panels[1, 0].set_ylabel("Rate of the difference\n(Hz)")
-        panels[0, 0].set_title("Scaled carrier-phase difference, upper minus lower band")
-        scale = ", outer part of the axis logarithmic" * (panels[1, 0].get_yscale() == "symlog")
-        panels[1, 0].set_title(f"Its rate over {series.window_s:g} s{scale}")
+        _titles(panels[0, 0], panels[1, 0], series)
         if alarm is not None:
             _close_up(panels[0, 1], panels[1, 1], series, trace, windows[1])
         _legend(figure, panels[1, 0], alarm, truth)
 
     return style.render(draw, 10.0, 4.8)
+
+
+def _titles(top: Axes, bottom: Axes, series: StatisticSeries) -> None:
+    scale = ", outer part of the axis logarithmic" * (bottom.get_yscale() == "symlog")
+    if series.unit == "Hz":
+        top.set_ylabel("Phase difference\n(cycles)")
+        bottom.set_ylabel("Rate of the difference\n(Hz)")
+        top.set_title("Scaled carrier-phase difference, upper minus lower band")
+        bottom.set_title(f"Its rate over {series.window_s:g} s{scale}")
+        return
+    of = f" of {signal_spec(series.signal).composite}" if series.signal else ""
+    top.set_ylabel(series.trace_unit.replace(", ", ",\n"))
+    bottom.set_ylabel(f"Statistic\n({series.unit})")
+    top.set_title(f"Measured{of}: {series.trace_unit}")
+    title = detectors.find(series.detector).title
+    bottom.set_title(f"{title} over {series.window_s:g} s{scale}")
 
 
 def _joined(series: StatisticSeries, alarm: Alarm | None) -> NDArray[np.float64]:

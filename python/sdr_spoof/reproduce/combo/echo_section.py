@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sdr_spoof import detectors
+from sdr_spoof.campaign.analysis import wilson
 from sdr_spoof.reproduce.parallel import repeat, seed_of, workers
-from sdr_spoof.reproduce.proportion import wilson
 from sdr_spoof.reproduce.study import Section, Table
 
 from . import published

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sdr_spoof.campaign.analysis import wilson
 from sdr_spoof.reproduce import parallel
-from sdr_spoof.reproduce.proportion import wilson
 
 from .receiver import Point, Run, methods, run
 

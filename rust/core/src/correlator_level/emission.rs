@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::pulse::split;
 use crate::synth::Emitter;
 use crate::{Result, C64};
 
@@ -18,14 +19,23 @@ pub(super) struct Span {
 
 /// What a slice receives of an emitter.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Arrival {
+pub(super) enum Arrival {
+    /// It is off the air.
+    Silent,
+    /// Its code is near the replica's.
+    Near(Near),
+    /// Its code is far off, and its power (C/N0 in Hz) noise.
+    Far(f64),
+}
+
+/// A signal whose code is near that of a replica.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Near {
     /// Code phase received, less that of the replica, in the middle of the slice.
     pub delay_chips: f64,
     /// Amplitude, sign and phase of a full correlation: mean per sample over the slice, where
     /// 1 is a C/N0 of 1 Hz.
     pub phasor: C64,
-    /// Carrier received less that of the replica.
-    pub detuning_hz: f64,
 }
 
 /// What a search would find.
@@ -54,6 +64,8 @@ pub(super) struct Emission {
     last: Point,
     /// A power over `cn0_dbhz`, and the amplitude there.
     amplitude: [f64; 2],
+    /// A code period and its sign.
+    sign: (i64, f64),
 }
 
 impl Emission {
@@ -70,36 +82,36 @@ impl Emission {
                 cycles: 0.0,
             },
             amplitude: [f64::NAN, 0.0],
+            sign: (i64::MIN, 0.0),
             emitter,
         })
     }
 
-    /// What a slice receives; `reach` is how far off in code it is still heard, in chips.
-    pub fn arrival(&mut self, span: &Span, reach: f64) -> Option<Arrival> {
+    /// What a slice receives; `reach` is how far off in code it is still near, in chips.
+    pub fn arrival(&mut self, span: &Span, reach: f64) -> Arrival {
         let on_air = self.on_air(span.time_s);
         let [from, to] = self.points(span.time_s);
         if on_air <= 0.0 {
-            return None;
+            return Arrival::Silent;
         }
         let late = from.chips - span.chips[0];
-        let late = late - self.code_length * (late / self.code_length).round();
+        let late = late - self.code_length * split(late / self.code_length + 0.5).0 as f64;
         let passed = to.chips - from.chips;
         let delay_chips = late + 0.5 * (passed - span.chips[1]);
+        let amplitude = self.amplitude(0.5 * (from.time_s + to.time_s));
         if delay_chips.abs() > reach {
-            return None;
+            return Arrival::Far(on_air * amplitude * amplitude);
         }
         let sign = self.mean_sign(from.chips, passed);
         let [first, last] = [
             from.cycles - span.carrier_cycles[0],
             to.cycles - span.carrier_cycles[1],
         ];
-        let amplitude = self.amplitude(0.5 * (from.time_s + to.time_s));
         let turn = last - first;
         let size = on_air * sign * amplitude * sinc(turn);
-        Some(Arrival {
+        Arrival::Near(Near {
             delay_chips,
             phasor: size * unit(0.5 * (first + last)),
-            detuning_hz: turn / (to.time_s - from.time_s),
         })
     }
 
@@ -151,27 +163,49 @@ impl Emission {
 
     /// Mean of secondary code times data from a code phase on, for so many chips: one code period
     /// or the end of one and the beginning of the next.
-    fn mean_sign(&self, chips: f64, passed: f64) -> f64 {
-        let period = (chips / self.code_length).floor();
-        let here = self.sign(period as i64);
-        let left = (period + 1.0) * self.code_length - chips;
+    fn mean_sign(&mut self, chips: f64, passed: f64) -> f64 {
+        let (period, _) = split(chips / self.code_length);
+        let here = self.sign(period);
+        let left = (period + 1) as f64 * self.code_length - chips;
         if left >= passed {
             return here;
         }
         let share = left / passed;
-        share * here + (1.0 - share) * self.sign(period as i64 + 1)
+        share * here + (1.0 - share) * self.sign(period + 1)
     }
 
-    fn sign(&self, period: i64) -> f64 {
+    /// Of a code period; mostly that of the last call.
+    fn sign(&mut self, period: i64) -> f64 {
+        if self.sign.0 != period {
+            self.sign = (period, self.period_sign(period));
+        }
+        self.sign.1
+    }
+
+    fn period_sign(&self, period: i64) -> f64 {
         let secondary = match self.secondary.len() as i64 {
             0 => 1,
             n => self.secondary[period.rem_euclid(n) as usize],
         };
         let symbol = match self.periods_per_symbol {
-            Some(n) => self.emitter.data_symbol(period.div_euclid(n)),
-            None => 1,
+            Some(n) => self.mean_symbol(period, n),
+            None => 1.0,
         };
-        f64::from(secondary * symbol)
+        f64::from(secondary) * symbol
+    }
+
+    /// Mean of the data over a code period, within which late data may change.
+    fn mean_symbol(&self, period: i64, periods_per_symbol: i64) -> f64 {
+        let length = self.code_length as i64;
+        let change = self.emitter.data_delay_chips().rem_euclid(length);
+        let data = |chip| {
+            f64::from(
+                self.emitter
+                    .data_sign(period * length + chip, periods_per_symbol),
+            )
+        };
+        let share = change as f64 / self.code_length;
+        share * data(0) + (1.0 - share) * data(change)
     }
 }
 
@@ -187,6 +221,32 @@ fn sinc(x: f64) -> f64 {
 
 /// exp(j 2 pi cycles)
 fn unit(cycles: f64) -> C64 {
-    let (sin, cos) = ((cycles - cycles.round()) * TAU).sin_cos();
+    let (sin, cos) = (split(cycles).1 * TAU).sin_cos();
     C64::new(cos, sin)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::signal;
+
+    #[test]
+    fn late_data_change_within_a_period() {
+        let b1i = Emitter {
+            data_seed: Some(3),
+            data_delay_s: 0.007_3,
+            ..Emitter::new(signal::find("B1I").unwrap(), 27, 45.0)
+        };
+        let emission = Emission::new(b1i.clone()).unwrap();
+        for period in -50..200 {
+            let mean = (0..2046).map(|chip| f64::from(b1i.data_sign(period * 2046 + chip, 20)));
+            let expected = mean.sum::<f64>() / 2046.0;
+            let secondary = f64::from(emission.secondary[period.rem_euclid(20) as usize]);
+            let found = emission.mean_sign(period as f64 * 2046.0, 2046.0);
+            assert!(
+                (found - expected * secondary).abs() < 1e-9,
+                "period {period}"
+            );
+        }
+    }
 }

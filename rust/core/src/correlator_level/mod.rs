@@ -6,14 +6,15 @@
 //! the sign of secondary code and data; and noise, correlated between taps. The loops are those
 //! of [`crate::track`] and see no difference ([`crate::track::source`]).
 //!
-//! Left out: other codes than the satellite's own (cross-correlation, other satellites), the
-//! sampling of the code, the quantiser, and the correlation of a tap's noise with that of another
-//! tap in the next slice.
+//! Other codes than the satellite's own count as noise (`others`). Left out: the sampling of the
+//! code, the quantiser, the carrier's turn between a tap and the prompt, and the correlation of a
+//! tap's noise with that of another tap in the next slice.
 
 mod emission;
 mod front_end;
 mod lags;
 mod noise;
+mod others;
 mod pulse;
 mod simulated;
 mod simulator;

@@ -11,7 +11,7 @@ const BATCH: usize = 128;
 /// Noise of one sideband: a pure function of its key and the number of the slice.
 pub(super) struct TapNoise {
     taps: usize,
-    /// Lower triangle, row by row; its product with its adjoint is the covariance.
+    /// Lower triangle, column by column; its product with its adjoint is the covariance.
     factor: Vec<C64>,
     stream: Noise,
     loops: Loops,
@@ -33,7 +33,7 @@ impl TapNoise {
     /// variance and independent of them.
     pub fn new(key: u64, taps: usize, covariance: &[C64]) -> Self {
         let stride = (2 * (taps + 1)).next_power_of_two();
-        assert!(stride <= BATCH, "{taps} taps are too many");
+        assert!(stride <= BATCH / 4, "{taps} taps are too many");
         TapNoise {
             taps,
             factor: cholesky(taps, covariance),
@@ -58,39 +58,45 @@ impl TapNoise {
         let scale = (0.5 * power).sqrt();
         let normal = |i: usize| {
             let [re, im] = [self.batch[at + 2 * i], self.batch[at + 2 * i + 1]];
-            C64::new(f64::from(re), f64::from(im))
+            C64::new(f64::from(re) * scale, f64::from(im) * scale)
         };
-        let mut row = self.factor.as_slice();
-        for (i, tap) in taps.iter_mut().enumerate() {
-            let (here, after) = row.split_at(i + 1);
-            row = after;
-            let sum: C64 = here.iter().enumerate().map(|(j, l)| l * normal(j)).sum();
-            *tap += sum * scale;
+        let mut column = self.factor.as_slice();
+        for i in 0..self.taps {
+            let (weights, after) = column.split_at(self.taps - i);
+            column = after;
+            let here = normal(i);
+            let turned = C64::new(-here.im, here.re);
+            for (tap, weight) in taps[i..].iter_mut().zip(weights) {
+                *tap += here * weight.re + turned * weight.im;
+            }
         }
-        normal(self.taps) * scale
+        normal(self.taps)
     }
 }
 
-/// The lower-triangular factor of a positive semi-definite matrix, row by row without the zeros.
+/// The lower-triangular factor of a positive semi-definite matrix, column by column without the
+/// zeros.
 fn cholesky(n: usize, matrix: &[C64]) -> Vec<C64> {
-    let at = |i: usize, j: usize| i * (i + 1) / 2 + j;
-    let mut factor = vec![C64::default(); n * (n + 1) / 2];
-    for i in 0..n {
-        for j in 0..=i {
+    let mut factor = vec![C64::default(); n * n];
+    for j in 0..n {
+        for i in j..n {
             let known: C64 = (0..j)
-                .map(|k| factor[at(i, k)] * factor[at(j, k)].conj())
+                .map(|k| factor[k * n + i] * factor[k * n + j].conj())
                 .sum();
             let rest = matrix[i * n + j] - known;
-            factor[at(i, j)] = if i == j {
+            let pivot = factor[j * n + j].re;
+            factor[j * n + i] = if i == j {
                 rest.re.max(0.0).sqrt().into()
-            } else if factor[at(j, j)].re > 1e-6 {
-                rest / factor[at(j, j)].re
+            } else if pivot > 1e-6 {
+                rest / pivot
             } else {
                 C64::default() // taps that coincide
             };
         }
     }
-    factor
+    (0..n)
+        .flat_map(|j| factor[j * n + j..(j + 1) * n].to_vec())
+        .collect()
 }
 
 #[cfg(test)]

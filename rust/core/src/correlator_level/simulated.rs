@@ -1,10 +1,9 @@
 //! Stands in for a sideband's correlator: slices without samples.
 
-use std::f64::consts::TAU;
-
-use super::emission::{Emission, Span};
-use super::lags::{CodeLags, LAGS};
+use super::emission::{Arrival, Emission, Span};
+use super::lags::CodeLags;
 use super::noise::{key, TapNoise};
+use super::others::{noise_share, OtherCodes};
 use super::pulse::Pulse;
 use super::{FrontEnd, Setting};
 use crate::acquire::replica::search_rate_hz;
@@ -18,6 +17,19 @@ use crate::synth::Emitter;
 use crate::track::epoch::Seed;
 use crate::track::taps::Taps;
 use crate::{Result, C64};
+
+/// An emitter's code is near within this, chips: that and the noise tap's delay are within the
+/// lags that are known.
+const REACH: f64 = 8.0;
+
+/// Where a tap is.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    /// Delay of the replica.
+    chips: f64,
+    /// It hears the main subcarrier layer only.
+    outer: bool,
+}
 
 /// One code and its emitters, as one replica hears them.
 struct Heard {
@@ -37,13 +49,15 @@ pub(crate) struct Simulated {
     chips_per_slice: u64,
     slices: usize,
     index: usize,
-    /// Delay of each tap: samples and chips; and whether it is an outer one.
-    taps: Vec<(f64, f64, bool)>,
+    taps: Vec<Place>,
     latest: u64,
     main: Heard,
     inner: Pulse,
     outer: Pulse,
     companion: Option<(Heard, Pulse)>,
+    others: OtherCodes,
+    /// Noise power of the signal's own code far off, at 1 Hz of C/N0.
+    own_noise_share: f64,
     noise: TapNoise,
     slice: Slice,
 }
@@ -93,9 +107,11 @@ impl Simulated {
             Ok((Heard::new(data, prn, emitters)?, front.signal(pulse)))
         });
         let marked = taps.offsets.iter().zip(taps.outer());
-        let places: Vec<(f64, f64, bool)> = marked
-            .map(|(&o, outer)| (o as f64, o as f64 / samples_per_chip, outer))
-            .collect();
+        let place = |(&offset, outer): (&i64, bool)| Place {
+            chips: offset as f64 / samples_per_chip,
+            outer,
+        };
+        let places: Vec<Place> = marked.map(place).collect();
         let covariance = covariance(&front, modulation, &places, &main.lags);
         let heard = |layers| front.signal(Pulse::new(layers, spec.modulation.layers()));
         Ok(Simulated {
@@ -109,6 +125,8 @@ impl Simulated {
             slices: spec.code_length / chips_per_slice(spec),
             index: 0,
             latest: taps.offsets.iter().copied().max().unwrap_or(0).max(0) as u64,
+            others: OtherCodes::new(&front, spec, prn, modulation.layers(), emitters),
+            own_noise_share: noise_share(&front, modulation.layers(), spec),
             inner: heard(modulation.layers()),
             outer: heard(&main_layer(modulation)),
             noise: TapNoise::new(
@@ -146,10 +164,11 @@ impl Simulated {
         (slice.index, slice.start, slice.samples) = (self.index, self.clock.base(), samples);
         slice.taps.fill(C64::default());
         slice.companion = C64::default();
-        self.hear_main(&span, length);
+        let mut other_codes = self.others.noise(span.time_s[0]);
+        other_codes += self.hear_main(&span, length);
         self.hear_companion(&span, length);
         let slice = &mut self.slice;
-        let power = self.noise_power * length;
+        let power = self.noise_power * length * (1.0 + other_codes);
         let companion = self.noise.add(power, &mut slice.taps);
         if self.companion.is_some() {
             slice.companion += companion;
@@ -162,11 +181,7 @@ impl Simulated {
     /// From the present clock to that after the slice.
     fn span(&self, after: &Clock) -> Span {
         let time_s = |clock: &Clock| clock.start() / self.sample_rate_hz;
-        // The carrier is that at the whole sample before.
-        let carrier = |clock: &Clock| {
-            clock.carrier_cycles() + clock.fraction() * clock.carrier_frequency()
-                - self.spec.phase_offset_cycles
-        };
+        let carrier = |clock: &Clock| clock.carrier_at_start() - self.spec.phase_offset_cycles;
         let chips = self.chips_per_slice as f64;
         Span {
             time_s: [time_s(&self.clock), time_s(after)],
@@ -175,24 +190,30 @@ impl Simulated {
         }
     }
 
-    fn hear_main(&mut self, span: &Span, length: f64) {
+    /// Gives the power of what is as good as another code, over that of the noise.
+    fn hear_main(&mut self, span: &Span, length: f64) -> f64 {
+        let mut other_codes = 0.0;
         let lags = |lag| self.main.lags.slice(self.index, lag);
         for emission in &mut self.main.emissions {
-            let Some(arrival) = emission.arrival(span, LAGS as f64) else {
-                continue;
+            let arrival = match emission.arrival(span, REACH) {
+                Arrival::Silent => continue,
+                Arrival::Far(power_hz) => {
+                    other_codes += power_hz * self.own_noise_share;
+                    continue;
+                }
+                Arrival::Near(near) => near,
             };
             let phasor = arrival.phasor * (self.amplitude * length);
-            let turn = TAU * arrival.detuning_hz / self.sample_rate_hz;
-            let taps = self.slice.taps.iter_mut().zip(&self.taps);
-            for (tap, &(samples, chips, outer)) in taps {
-                let pulse = if outer { &self.outer } else { &self.inner };
-                let correlation = pulse.train(arrival.delay_chips + chips, lags);
-                // A tap's samples lie so much later.
-                let angle = turn * samples;
-                let twist = C64::new(1.0 - 0.5 * angle * angle, angle);
-                *tap += phasor * correlation * twist;
+            for (tap, place) in self.slice.taps.iter_mut().zip(&self.taps) {
+                let pulse = if place.outer {
+                    &self.outer
+                } else {
+                    &self.inner
+                };
+                *tap += phasor * pulse.train(arrival.delay_chips + place.chips, lags);
             }
         }
+        other_codes
     }
 
     fn hear_companion(&mut self, span: &Span, length: f64) {
@@ -201,7 +222,7 @@ impl Simulated {
         };
         let lags = |lag| heard.lags.slice(self.index, lag);
         for emission in &mut heard.emissions {
-            if let Some(arrival) = emission.arrival(span, LAGS as f64) {
+            if let Arrival::Near(arrival) = emission.arrival(span, REACH) {
                 let correlation = pulse.train(arrival.delay_chips, lags);
                 self.slice.companion += arrival.phasor * (self.amplitude * length) * correlation;
             }
@@ -272,16 +293,16 @@ impl Simulated {
 fn covariance(
     front: &FrontEnd,
     modulation: Modulation,
-    taps: &[(f64, f64, bool)],
+    taps: &[Place],
     lags: &CodeLags,
 ) -> Vec<C64> {
     let layer = main_layer(modulation);
     let layers = [modulation.layers(), &layer];
     let pulse = |a: usize, b: usize| front.noise(Pulse::new(layers[a], layers[b]));
     let pulses = [[pulse(0, 0), pulse(0, 1)], [pulse(1, 0), pulse(1, 1)]];
-    let pair = |a: &(f64, f64, bool), b: &(f64, f64, bool)| {
-        let pulse = &pulses[usize::from(a.2)][usize::from(b.2)];
-        pulse.train(a.1 - b.1, |lag| lags.whole(lag))
+    let pair = |a: &Place, b: &Place| {
+        let pulse = &pulses[usize::from(a.outer)][usize::from(b.outer)];
+        pulse.train(a.chips - b.chips, |lag| lags.whole(lag))
     };
     taps.iter()
         .flat_map(|a| taps.iter().map(move |b| (a, b)))

@@ -6,8 +6,9 @@ use super::{Setting, Simulated};
 use crate::synth::Emitter;
 use crate::track::channel::Channel;
 use crate::track::config::TrackConfig;
-use crate::track::engine::{group, Target};
+use crate::track::engine::Target;
 use crate::track::epoch::Seed;
+use crate::track::grouping::{self, group};
 use crate::track::log::State;
 use crate::track::sideband::Sideband;
 use crate::track::source::{Feed, Source};
@@ -29,8 +30,8 @@ pub struct Simulator {
 }
 
 impl Simulator {
-    /// Tracks the given signals of satellites, from sample 0 on. Two signals of one satellite on
-    /// different carriers are tracked together.
+    /// Tracks the given signals of satellites, from sample 0 on. The pairs of the configuration are
+    /// tracked together.
     ///
     /// # Errors
     /// Unknown signals or PRNs, settings out of range, no thread pool.
@@ -78,6 +79,24 @@ impl Simulator {
             None => channels.iter_mut().for_each(|c| plan.run(c, from, to)),
         }
         self.position = from.max(to);
+    }
+
+    /// As [`Tracker::isolate`](crate::track::engine::Tracker::isolate).
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if the signal is not tracked here.
+    pub fn isolate(&mut self, system: char, prn: u16, signal: &str) -> Result<()> {
+        let (channel, i) = grouping::place(self.channels.iter_mut(), system, prn, signal)?;
+        channel.isolate(i);
+        Ok(())
+    }
+
+    /// As [`Tracker::rejoin`](crate::track::engine::Tracker::rejoin).
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if the satellite is not tracked here.
+    pub fn rejoin(&mut self, system: char, prn: u16) -> Result<()> {
+        grouping::rejoin(self.channels.iter_mut(), system, prn)
     }
 
     /// All satellites, so that rows may be taken out.

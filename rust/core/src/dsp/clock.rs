@@ -118,9 +118,11 @@ impl Clock {
         self.carrier as f64 / nco::CYCLE
     }
 
-    /// Carrier beyond the band's nominal frequency, cycles per sample.
-    pub fn carrier_frequency(&self) -> f64 {
-        nco::frequency_from_step(self.carrier_step as u64)
+    /// The same at the very start of the present slice.
+    pub fn carrier_at_start(&self) -> f64 {
+        let (whole, rest) = ((self.carrier >> 64) as i64, self.carrier as u64);
+        let frequency = nco::frequency_from_step(self.carrier_step as u64);
+        whole as f64 + rest as f64 / nco::CYCLE + self.fraction() * frequency
     }
 
     /// Whole sample at or before the present slice's start.

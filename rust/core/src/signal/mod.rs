@@ -117,6 +117,10 @@ pub static SIGNALS: &[SignalSpec] = &[
     e5::E5BQ,
 ];
 
+/// Pairs of signals with coherent carriers that are tracked as one unless told otherwise; the first
+/// pair of which a satellite has both comes first.
+pub static PAIRS: &[(&str, &str)] = &[("B1I", "B1CP"), ("E5AQ", "E5BQ")];
+
 /// Looks a signal up by its registry name.
 ///
 /// # Errors

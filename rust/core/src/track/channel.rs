@@ -1,9 +1,17 @@
 //! One satellite: its sidebands, and the combo of two of them.
+//!
+//! ```text
+//! single --both synchronised for a while--> combo --one lost, or they disagree--> single
+//!    ^                                        |
+//!    +-- rejoin -- single by alarm <--isolate-+
+//! ```
 
-use super::combo::JointLoops;
+use super::combo::{wiped, JointLoops};
 use super::config::TrackConfig;
 use super::epoch::{Epoch, Measured};
+use super::joint_code::JointCode;
 use super::log::{ComboRows, State};
+use super::pair_rows::{PairEpoch, PairRecorder};
 use super::sideband::Sideband;
 use super::source::Feed;
 
@@ -27,10 +35,17 @@ pub struct Channel {
     pending: Vec<Option<Epoch>>,
     /// Of sidebands too far apart to wait for each other: what has no partner yet.
     apart: [Option<(Epoch, Measured)>; 2],
-    joint: Option<JointLoops>,
+    joint: Option<Joint>,
+    recorder: PairRecorder,
     settled_s: f64,
     config: TrackConfig,
     sample_rate_hz: f64,
+}
+
+/// The loops of a combo.
+struct Joint {
+    carrier: JointLoops,
+    code: JointCode,
 }
 
 impl Channel {
@@ -54,10 +69,26 @@ impl Channel {
             apart: [None, None],
             combo: ComboRows::default(),
             joint: None,
+            recorder: PairRecorder::default(),
             settled_s: 0.0,
             config: config.clone(),
             sample_rate_hz,
         }
+    }
+
+    /// Marks a sideband as captured: the pair is parted until [`Channel::rejoin`], and each goes on
+    /// with loops of its own.
+    pub fn isolate(&mut self, sideband: usize) {
+        self.sidebands[sideband].captured = true;
+        self.part();
+    }
+
+    /// Takes all such marks away, so that the pair may be joined again.
+    pub fn rejoin(&mut self) {
+        for sideband in &mut self.sidebands {
+            sideband.captured = false;
+        }
+        self.settled_s = 0.0;
     }
 
     /// Works off what there is.
@@ -104,6 +135,8 @@ impl Channel {
         if let Some(epoch) = self.pending[i].take() {
             if self.pairs() {
                 self.record_apart(i, &epoch);
+            } else {
+                self.recorder.forget();
             }
             self.sidebands[i].close_own(&epoch);
         }
@@ -122,7 +155,8 @@ impl Channel {
         let [lower, upper] = self.apart.each_mut().map(Option::take);
         match (lower, upper) {
             (Some(lower), Some(upper)) if self.within(PAIRED_S, &lower.0, upper.0.first) => {
-                self.record([&lower.0, &upper.0], [lower.1, upper.1]);
+                let (epochs, measured) = ([&lower.0, &upper.0], [lower.1, upper.1]);
+                self.record(epochs, measured);
             }
             (Some(lower), Some(upper)) => {
                 // The later one may yet find its partner.
@@ -147,78 +181,93 @@ impl Channel {
     }
 
     fn close_pair(&mut self, lower: &Epoch, upper: &Epoch) {
-        let interval = upper.interval_s();
         self.apart = [None, None];
         let epochs = [lower, upper];
         let measured = [0, 1].map(|i| self.sidebands[i].measure(epochs[i]));
         self.record(epochs, measured);
-        if self
-            .joint
-            .as_ref()
-            .is_some_and(|j| j.elapsed_s() > 0.2 && j.subcarrier_lock() < PARTED)
-        {
+        let parted =
+            |j: &Joint| j.carrier.elapsed_s() > 0.2 && j.carrier.subcarrier_lock() < PARTED;
+        if self.joint.as_ref().is_some_and(parted) {
             self.part();
         }
         if let Some(joint) = &mut self.joint {
-            let prompts = [0, 1].map(|i| {
-                let s = &self.sidebands[i];
-                s.wiped(epochs[i].taps[s.taps.prompt]) / s.amplitude(interval)
-            });
-            let steering = joint.update(prompts[0], prompts[1], interval);
-            for (i, sideband) in self.sidebands.iter_mut().enumerate() {
-                let (doppler_hz, rate) = (steering.doppler_hz[i], steering.rate_hz_s[i]);
-                sideband.close_joint(epochs[i], doppler_hz, rate);
-            }
+            joint.close(&mut self.sidebands, epochs, measured);
         } else {
             for (sideband, epoch) in self.sidebands.iter_mut().zip(epochs) {
                 sideband.close_own(epoch);
             }
-            self.settled_s += interval;
-            if self.config.combo && self.settled_s >= SETTLED_S && self.pairs() {
-                self.join(interval);
-            }
+            self.join_if_settled(upper.interval_s());
         }
     }
 
-    fn join(&mut self, interval_s: f64) {
-        let of = |f: fn(&Sideband) -> f64| [f(&self.sidebands[0]), f(&self.sidebands[1])];
-        self.joint = Some(JointLoops::new(
-            of(|s| s.spec.carrier_hz),
-            [
-                self.config.main_bandwidth_hz,
-                self.config.subcarrier_bandwidth_hz,
-            ],
-            interval_s,
-            of(Sideband::smooth_doppler_hz),
-            of(Sideband::doppler_rate_hz_s),
-        ));
+    fn join_if_settled(&mut self, interval_s: f64) {
+        self.settled_s += interval_s;
+        let captured = self.sidebands.iter().any(|s| s.captured);
+        if self.config.combo && !captured && self.settled_s >= SETTLED_S && self.pairs() {
+            self.joint = Some(Joint::new(&self.sidebands, &self.config, interval_s));
+        }
     }
 
-    fn record(&mut self, [lower, upper]: [&Epoch; 2], [ml, mu]: [Measured; 2]) {
-        let [sl, su] = [&self.sidebands[0], &self.sidebands[1]];
-        // The lower sideband's values are brought to the middle of the upper one's epoch.
-        let wait_s = (upper.middle() - lower.middle()) / self.sample_rate_hz;
-        let code_lower = ml.code_chips / sl.spec.chip_rate_hz + wait_s;
-        let code_upper = mu.code_chips / su.spec.chip_rate_hz;
-        let period = sl.spec.period_s().min(su.spec.period_s());
-        let ahead = (code_upper - code_lower) / period;
-        let rows = &mut self.combo;
-        rows.time_s.push(upper.middle() / self.sample_rate_hz);
-        rows.integration_s.push(upper.interval_s());
-        rows.state.push(if self.joint.is_some() {
+    fn record(&mut self, epochs: [&Epoch; 2], measured: [Measured; 2]) {
+        let lock = |j: &Joint| j.carrier.subcarrier_lock();
+        let pair = PairEpoch {
+            epochs,
+            measured,
+            state: self.state(),
+            subcarrier_lock: self.joint.as_ref().map_or(0.0, lock),
+        };
+        let sidebands = [&self.sidebands[0], &self.sidebands[1]];
+        self.recorder.record(&mut self.combo, sidebands, &pair);
+    }
+
+    /// State of the pair, both of which are synchronised.
+    fn state(&self) -> State {
+        if self.joint.is_some() {
             State::Combo
+        } else if self.sidebands.iter().any(|s| s.captured) {
+            State::Captured
         } else {
             State::Synced
-        } as u8);
-        rows.phase_lower_cycles
-            .push(ml.phase_cycles - sl.doppler_hz() * wait_s);
-        rows.phase_upper_cycles.push(mu.phase_cycles);
-        rows.cn0_lower_dbhz.push(sl.cn0_dbhz());
-        rows.cn0_upper_dbhz.push(su.cn0_dbhz());
-        // Received later = code phase behind.
-        rows.code_difference_s
-            .push(-(ahead - ahead.round()) * period);
-        rows.subcarrier_lock
-            .push(self.joint.as_ref().map_or(0.0, JointLoops::subcarrier_lock));
+        }
+    }
+}
+
+impl Joint {
+    /// Loops that continue what the sidebands do on their own.
+    fn new(sidebands: &[Sideband], config: &TrackConfig, interval_s: f64) -> Self {
+        let of = |f: fn(&Sideband) -> f64| [f(&sidebands[0]), f(&sidebands[1])];
+        Joint {
+            carrier: JointLoops::new(
+                of(|s| s.spec.carrier_hz),
+                [config.main_bandwidth_hz, config.subcarrier_bandwidth_hz],
+                interval_s,
+                of(Sideband::smooth_doppler_hz),
+                of(Sideband::doppler_rate_hz_s),
+            ),
+            code: JointCode::new(
+                [config.dll_bandwidth_hz, config.code_bias_bandwidth_hz],
+                interval_s,
+            ),
+        }
+    }
+
+    /// Closes an integration of both sidebands.
+    fn close(&mut self, sidebands: &mut [Sideband], epochs: [&Epoch; 2], measured: [Measured; 2]) {
+        let interval_s = epochs[1].interval_s();
+        let of = |f: &dyn Fn(&Sideband, usize) -> f64| [0, 1].map(|i| f(&sidebands[i], i));
+        let prompts = [0, 1].map(|i| {
+            let s = &sidebands[i];
+            epochs[i].taps[s.taps.prompt] / s.amplitude(interval_s)
+        });
+        let signed = [0, 1].map(|i| sidebands[i].signed);
+        let steering = self.carrier.update(wiped(prompts, signed), interval_s);
+        let errors_s = of(&|s, i| measured[i].code_error_chips / s.spec.chip_rate_hz);
+        let rates = self
+            .code
+            .update(errors_s, of(&|s, _| s.code_variance_s2(interval_s)));
+        for (i, sideband) in sidebands.iter_mut().enumerate() {
+            let code_rate = rates[i] * sideband.spec.chip_rate_hz;
+            sideband.close_joint(epochs[i], &steering, i, code_rate);
+        }
     }
 }

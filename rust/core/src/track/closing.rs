@@ -2,6 +2,7 @@
 
 use num_complex::Complex;
 
+use super::combo::Steering;
 use super::discriminator as disc;
 use super::epoch::{Epoch, Measured};
 use super::frequency::BlockError;
@@ -77,7 +78,8 @@ impl Sideband {
             self.assist(block, interval);
             self.carrier.update(measured.phase_error)
         };
-        self.finish(epoch, &measured, doppler, self.state);
+        let code_rate = self.code.update(measured.code_error_chips);
+        self.finish(epoch, &measured, [doppler, code_rate], self.state);
     }
 
     /// First part of pull-in: waits for the frequency, then starts the phase loop at the
@@ -104,27 +106,29 @@ impl Sideband {
         10f64.powf(0.1 * self.cn0.dbhz()) * self.length as f64 * SLICE_S
     }
 
-    /// Closes an integration with a Doppler that the combo's loops chose.
-    pub fn close_joint(&mut self, epoch: &Epoch, doppler_hz: f64, rate_hz_s: f64) {
+    /// Closes an integration as the sideband `i` of a combo, whose loops chose the Doppler and,
+    /// in chips per second, the correction of the code.
+    pub fn close_joint(&mut self, epoch: &Epoch, steering: &Steering, i: usize, code_rate: f64) {
         self.judge(epoch);
         let measured = self.measure(epoch);
         // The own loop stands by, ready to take over without a jump.
-        self.carrier.rate = doppler_hz;
-        self.carrier.acceleration = rate_hz_s;
+        self.carrier.rate = steering.smooth_doppler_hz[i];
+        self.carrier.acceleration = steering.rate_hz_s[i];
         let recorded = if self.state == State::Lost {
             State::Lost
         } else {
             State::Combo
         };
-        self.finish(epoch, &measured, doppler_hz, recorded);
+        let rates = [steering.doppler_hz[i], code_rate];
+        self.finish(epoch, &measured, rates, recorded);
     }
 
-    fn finish(&mut self, epoch: &Epoch, measured: &Measured, doppler_hz: f64, recorded: State) {
+    /// Records, and steers by a Doppler and a correction of the code in chips per second.
+    fn finish(&mut self, epoch: &Epoch, measured: &Measured, rates: [f64; 2], recorded: State) {
         self.record(epoch, measured, recorded);
-        let code_rate = self.code.update(measured.code_error_chips);
         self.in_state_s += epoch.interval_s();
         self.pull_in_s += epoch.interval_s();
-        self.steer(doppler_hz, code_rate);
+        self.steer(rates[0], rates[1]);
         if self.state != State::Lost {
             self.guard_side_peak(epoch);
             self.promote(epoch.taps[self.taps.prompt]);
@@ -219,6 +223,10 @@ impl Sideband {
 
     fn record(&mut self, epoch: &Epoch, measured: &Measured, state: State) {
         let doppler_hz = self.doppler_hz();
+        let state = match state {
+            State::Synced if self.captured => State::Captured,
+            state => state,
+        };
         let rows = &mut self.rows;
         rows.time_s.push(epoch.middle() / self.sample_rate_hz);
         rows.integration_s.push(epoch.interval_s());

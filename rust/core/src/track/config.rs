@@ -2,7 +2,7 @@
 
 use super::log::State;
 use crate::dsp::replica::SLICE_S;
-use crate::{Error, Result};
+use crate::{signal, Error, Result};
 
 /// Settings of the tracking loops; bandwidths are single-sided noise bandwidths.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,6 +19,8 @@ pub struct TrackConfig {
     pub main_bandwidth_hz: f64,
     /// Subcarrier loop of a combo, Hz.
     pub subcarrier_bandwidth_hz: f64,
+    /// Loop of a combo that follows the difference of the two codes, Hz.
+    pub code_bias_bandwidth_hz: f64,
     /// Longest coherent integration, ms.
     pub integration_ms: usize,
     /// Below this C/N0 a signal counts as lost, dB-Hz.
@@ -27,6 +29,8 @@ pub struct TrackConfig {
     pub qmboc: bool,
     /// Couple the two sidebands of a satellite.
     pub combo: bool,
+    /// Which signals of a satellite are such sidebands; the first pair that it has, if several.
+    pub pairs: Vec<(String, String)>,
     /// Correlate the data component beside its pilot.
     pub data_component: bool,
 }
@@ -40,10 +44,15 @@ impl Default for TrackConfig {
             dll_bandwidth_hz: 1.0,
             main_bandwidth_hz: 10.0,
             subcarrier_bandwidth_hz: 5.0,
+            code_bias_bandwidth_hz: 0.1,
             integration_ms: 10,
             cn0_min_dbhz: 25.0,
             qmboc: true,
             combo: true,
+            pairs: signal::PAIRS
+                .iter()
+                .map(|(a, b)| ((*a).to_owned(), (*b).to_owned()))
+                .collect(),
             data_component: false,
         }
     }
@@ -89,15 +98,28 @@ impl TrackConfig {
                 dll_bandwidth_hz: pull_in.dll_bandwidth_hz,
                 ..synced
             },
-            State::Synced | State::Combo => synced,
+            State::Synced | State::Combo | State::Captured => synced,
         }
     }
 
-    /// Checks ranges.
+    /// Checks ranges, and that the pairs are pairs.
     ///
     /// # Errors
-    /// [`Error::Invalid`] names the setting.
+    /// [`Error::Invalid`] names the setting; [`Error::UnknownSignal`].
     pub fn check(&self) -> Result<()> {
+        self.check_loops()?;
+        for (a, b) in &self.pairs {
+            let systems = (signal::find(a)?.system, signal::find(b)?.system);
+            if a == b || systems.0 != systems.1 {
+                return Err(Error::Invalid(format!(
+                    "{a} and {b} are no pair: name two signals of one satellite"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_loops(&self) -> Result<()> {
         if !matches!(self.integration_ms, 1 | 2 | 4 | 5 | 10 | 20) {
             return Err(Error::Invalid(format!(
                 "integration_ms is {}; choose 1, 2, 4, 5, 10 or 20",
@@ -113,6 +135,11 @@ impl TrackConfig {
             (
                 "subcarrier_bandwidth_hz",
                 self.subcarrier_bandwidth_hz,
+                interval,
+            ),
+            (
+                "code_bias_bandwidth_hz",
+                self.code_bias_bandwidth_hz,
                 interval,
             ),
             (

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::channel::{Channel, WAIT_S};
 use super::config::TrackConfig;
+use super::grouping;
 pub use super::input::{Input, Target};
 use super::log::State;
 use super::sideband::Sideband;
@@ -87,8 +88,8 @@ pub struct Tracker {
 }
 
 impl Tracker {
-    /// A tracker for the given targets. Two signals of one satellite on different carriers are
-    /// tracked together.
+    /// A tracker for the given targets. The pairs of the configuration are tracked
+    /// together.
     ///
     /// # Errors
     /// Unknown signals or PRNs, settings out of range, no thread pool.
@@ -118,8 +119,8 @@ impl Tracker {
             .num_threads(threads)
             .build()
             .map_err(|e| Error::Invalid(format!("cannot start {threads} threads: {e}")))?;
-        let channels = build_channels(&input, config, targets)?;
-        let (groups, order) = shared_out(channels, threads);
+        let channels = grouping::channels(&input, config, targets)?;
+        let (groups, order) = grouping::shared_out(channels, threads);
         let units = groups.into_iter().map(|g| Unit::new(g, &input, level));
         let mut tracker = Tracker {
             position: input.start,
@@ -213,94 +214,36 @@ impl Tracker {
     /// # Errors
     /// [`Error::Invalid`] if it is not tracked here, or the acquisition makes no sense.
     pub fn restart(&mut self, target: &Target) -> Result<()> {
-        target.check(self.input.sample_rate_hz)?;
+        let system = target.check(self.input.sample_rate_hz)?.system;
         let earliest = self.position();
-        self.units
-            .iter_mut()
-            .flat_map(|u| &mut u.channels)
-            .filter(|c| c.prn == target.prn)
-            .flat_map(|c| &mut c.sidebands)
-            .find(|s| s.spec.id == target.signal)
-            .ok_or_else(|| {
-                Error::Invalid(format!("{} {} is not tracked", target.signal, target.prn))
-            })?
-            .restart(target.seed, earliest);
+        let (channel, i) = self.place(system, target.prn, &target.signal)?;
+        channel.sidebands[i].restart(target.seed, earliest);
         Ok(())
     }
-}
 
-fn build_channels(input: &Input, config: &TrackConfig, targets: &[Target]) -> Result<Vec<Channel>> {
-    let fs = input.sample_rate_hz;
-    let sideband = |target: &Target| {
-        let spec = target.check(fs)?;
-        let sideband = Sideband::new(spec, target.prn, fs, config, target.seed, input.start)?;
-        Ok((target.prn, sideband))
-    };
-    let sidebands: Result<Vec<_>> = targets.iter().map(sideband).collect();
-    Ok(group(sidebands?, config, fs))
-}
-
-/// Channels of sidebands (with the numbers of their satellites), coupled where they can be.
-pub(crate) fn group(
-    sidebands: Vec<(u16, Sideband)>,
-    config: &TrackConfig,
-    sample_rate_hz: f64,
-) -> Vec<Channel> {
-    let mut satellites: Vec<((char, u16), Vec<Sideband>)> = Vec::new();
-    for (prn, sideband) in sidebands {
-        let key = (sideband.spec.system, prn);
-        match satellites.iter_mut().find(|s| s.0 == key) {
-            Some(satellite) => satellite.1.push(sideband),
-            None => satellites.push((key, vec![sideband])),
-        }
+    /// Marks a signal as captured: the pair that it belongs to is parted, the other sideband goes on
+    /// by itself, and so does this one, its rows marked.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if it is not tracked here.
+    pub fn isolate(&mut self, system: char, prn: u16, signal: &str) -> Result<()> {
+        let (channel, i) = self.place(system, prn, signal)?;
+        channel.isolate(i);
+        Ok(())
     }
-    satellites
-        .into_iter()
-        .flat_map(|((_, prn), sidebands)| {
-            let channel = move |s| Channel::new(prn, s, config, sample_rate_hz);
-            coupled(sidebands).into_iter().map(channel)
-        })
-        .collect()
-}
 
-/// Shares channels out among threads, the work as even as can be; and says where each went.
-fn shared_out(channels: Vec<Channel>, threads: usize) -> (Vec<Vec<Channel>>, Vec<(usize, usize)>) {
-    let mut groups: Vec<Vec<Channel>> = Vec::new();
-    groups.resize_with(threads.clamp(1, channels.len().max(1)), Vec::new);
-    let mut order = Vec::new();
-    for channel in channels {
-        let work = |g: &Vec<Channel>| g.iter().map(|c| c.sidebands.len()).sum::<usize>();
-        let least = (0..groups.len())
-            .min_by_key(|&g| work(&groups[g]))
-            .unwrap_or(0);
-        order.push((least, groups[least].len()));
-        groups[least].push(channel);
+    /// Takes such marks of a satellite away: its pairs may be joined again.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if the satellite is not tracked here.
+    pub fn rejoin(&mut self, system: char, prn: u16) -> Result<()> {
+        let channels = self.units.iter_mut().flat_map(|u| &mut u.channels);
+        grouping::rejoin(channels, system, prn)
     }
-    (groups, order)
-}
 
-/// Groups a satellite's sidebands: first the two to be coupled, of its lowest and its highest
-/// carrier (the stronger where a carrier has several), then the others one by one.
-fn coupled(mut sidebands: Vec<Sideband>) -> Vec<Vec<Sideband>> {
-    sidebands.sort_by(|a, b| {
-        let key = |s: &Sideband| (s.spec.carrier_hz, -s.spec.power_share);
-        key(a)
-            .partial_cmp(&key(b))
-            .unwrap_or(std::cmp::Ordering::Equal)
-    });
-    let highest = sidebands
-        .iter()
-        .map(|s| s.spec.carrier_hz)
-        .fold(0.0, f64::max);
-    let upper = sidebands
-        .iter()
-        .position(|s| s.spec.carrier_hz == highest)
-        .unwrap_or(0);
-    let mut groups = Vec::new();
-    if upper > 0 {
-        let upper = sidebands.remove(upper);
-        groups.push(vec![sidebands.remove(0), upper]);
+    /// The channel of a signal, and which of its sidebands it is.
+    fn place(&mut self, system: char, prn: u16, signal: &str) -> Result<(&mut Channel, usize)> {
+        let channels = self.units.iter_mut().flat_map(|u| &mut u.channels);
+        grouping::place(channels, system, prn, signal)
     }
-    groups.extend(sidebands.into_iter().map(|s| vec![s]));
-    groups
 }

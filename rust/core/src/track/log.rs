@@ -16,6 +16,9 @@ pub enum State {
     Synced = 3,
     /// Tracked jointly with the satellite's other sideband.
     Combo = 4,
+    /// As [`State::Synced`], but marked as captured: never tracked jointly. In the rows of a pair:
+    /// one of the two is.
+    Captured = 5,
 }
 
 /// Rows of one signal. Times and phases are at the middle of the integration.
@@ -73,6 +76,17 @@ pub struct ComboRows {
     pub cn0_lower_dbhz: Vec<f64>,
     /// C/N0 of the upper sideband.
     pub cn0_upper_dbhz: Vec<f64>,
+    /// Half the sum of the sidebands' phases.
+    pub main_phase_cycles: Vec<f64>,
+    /// Half the difference of the sidebands' phases, upper minus lower.
+    pub subcarrier_phase_cycles: Vec<f64>,
+    /// Pseudorange from the subcarrier's phase; NaN while its ambiguity is not resolved, and where
+    /// both carriers are the same.
+    pub subcarrier_range_m: Vec<f64>,
+    /// Measured code delay of the lower sideband, brought to the upper one's instant.
+    pub code_delay_lower_s: Vec<f64>,
+    /// Measured code delay of the upper sideband.
+    pub code_delay_upper_s: Vec<f64>,
     /// Code delay, upper minus lower.
     pub code_difference_s: Vec<f64>,
     /// Subcarrier-lock indicator.

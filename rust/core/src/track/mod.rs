@@ -4,6 +4,7 @@
 //! sidebands of one satellite and couples two of them as one combo signal; the
 //! [`Tracker`](engine::Tracker) feeds all channels from the shared front ends.
 
+mod ambiguity;
 pub mod channel;
 mod closing;
 pub mod combo;
@@ -12,9 +13,12 @@ pub mod discriminator;
 pub mod engine;
 pub mod epoch;
 pub mod frequency;
+pub(crate) mod grouping;
 mod input;
+mod joint_code;
 pub mod log;
 pub mod loop_filter;
+mod pair_rows;
 pub mod quality;
 pub mod sideband;
 pub mod source;

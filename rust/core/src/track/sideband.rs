@@ -37,6 +37,8 @@ pub struct Sideband {
     pub taps: Taps,
     /// Rows recorded so far.
     pub rows: SignalRows,
+    /// Marked as captured by a spoofer.
+    pub captured: bool,
     pub(super) config: TrackConfig,
     pub(super) sample_rate_hz: f64,
     pub(super) correlator: Source,
@@ -113,6 +115,7 @@ impl Sideband {
             band: 0,
             modulation,
             rows: SignalRows::default(),
+            captured: false,
             config: config.clone(),
             sample_rate_hz,
             correlator: source(modulation, &taps)?,
@@ -211,13 +214,11 @@ impl Sideband {
         self.cn0.signal_power(interval_s).sqrt()
     }
 
-    /// A prompt without its symbol: by decision, unless its sign is known.
-    pub fn wiped(&self, prompt: C64) -> C64 {
-        if !self.signed && prompt.re < 0.0 {
-            -prompt
-        } else {
-            prompt
-        }
+    /// Variance of the code discriminator over `interval_s`, from the C/N0 estimate, s^2.
+    pub fn code_variance_s2(&self, interval_s: f64) -> f64 {
+        let snr = 10f64.powf(0.1 * self.cn0.dbhz()) * interval_s;
+        let chips2 = self.taps.code_variance / snr * (1.0 + 1.0 / snr);
+        chips2 / (self.spec.chip_rate_hz * self.spec.chip_rate_hz)
     }
 
     /// First sample of the integration in progress.

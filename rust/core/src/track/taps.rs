@@ -1,6 +1,6 @@
 //! Correlator taps: very early, early, prompt, late, very late, and one far off for noise.
 
-use super::discriminator::early_late_slope;
+use super::discriminator::{autocorrelation, early_late_slope};
 use crate::dsp::ring::LANES;
 use crate::signal::Modulation;
 
@@ -15,6 +15,8 @@ pub struct Taps {
     pub prompt: usize,
     /// Slope of early minus late per chip.
     pub slope: f64,
+    /// Variance of the code discriminator, chips squared, times signal-to-noise ratio.
+    pub code_variance: f64,
 }
 
 impl Taps {
@@ -31,11 +33,14 @@ impl Taps {
         let near = on_raster(half * samples_per_chip).max(1);
         let far = on_raster(outer * samples_per_chip).max(near + 1);
         let noise = -(quiet_lag(code) * samples_per_chip).round() as i64;
+        let half = near as f64 / samples_per_chip;
+        let slope = early_late_slope(modulation, half);
         Taps {
             offsets: vec![-far, -near, 0, near, far, noise],
             noise: 5,
             prompt: 2,
-            slope: early_late_slope(modulation, near as f64 / samples_per_chip),
+            slope,
+            code_variance: (1.0 - autocorrelation(modulation, 2.0 * half)) / (slope * slope),
         }
     }
 

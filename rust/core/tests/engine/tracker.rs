@@ -99,6 +99,7 @@ fn sidebands_with_unlike_symbols_are_integrated_alike() {
     let run = |cut: usize| {
         let config = TrackConfig {
             integration_ms: 20,
+            pairs: vec![("B1I".to_owned(), "B1CD".to_owned())],
             ..TrackConfig::default()
         };
         let mut tracker = Tracker::new(input.clone(), &config, &targets, 1).unwrap();
