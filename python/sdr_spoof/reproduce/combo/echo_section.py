@@ -68,6 +68,11 @@ def section(effort: Effort, stages: Stages) -> Section:
             "publication compares with the clean shape instead, as the figure above does. The "
             f"spoofing case is B1C captured at eta {published.ETA:g} and dragged by {DRAG_HZ:g} "
             "Hz, which the loops hold.",
+            "A static echo that stays is in the reference of every detector. One that arrives is a "
+            "jump of the phase difference, which the jump-and-slope test must take for an attack: "
+            "a spoofer with another phase does the same. The rate test sees it for its window of 1 "
+            "s, and as calibrated does not alarm. Of moving echoes the phase difference carries "
+            "the beat, whatever the test.",
         ),
         tables=[_threshold_table(scores[:spoofed], equal), *_tables(echoes, cases, equal)],
     )
