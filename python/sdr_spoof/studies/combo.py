@@ -44,9 +44,11 @@ if TYPE_CHECKING:
 PAIR = ("B1I", "B1CP")
 LIGHT_M_S = 299_792_458.0
 CN0_DBHZ = (30.0, 35.0, 40.0, 45.0)
-WEAK_DBHZ = tuple(np.arange(17.0, 28.5, 0.5).tolist())
+WEAK_DBHZ = tuple(np.arange(18.0, 28.5, 0.5).tolist())
 FADE_S = 4.0
-"""The C/N0 falls from 45 dB-Hz within a second from here on."""
+"""From here on the C/N0 falls from 45 dB-Hz."""
+FALL_S = 4.0
+"""Length of the fall."""
 HOLD_S = 20.0
 HELD = 0.95
 """Share of runs that makes a lock threshold."""
@@ -199,7 +201,7 @@ def measure_hold(cn0_dbhz: float, *, seeds: int, threads: int = 1) -> list[Hold]
 
 def _held(cn0_dbhz: float, combo: bool, seed: int, threads: int) -> list[tuple[bool, ...]]:
     """Of each satellite, whether each of its bands held."""
-    plan = scenario(45.0, FADE_S + 1.0 + HOLD_S)
+    plan = scenario(45.0, FADE_S + FALL_S + HOLD_S)
     emitters = [_fading(t.emitter, cn0_dbhz) for t in transmissions(plan)]
     log = _simulate(plan, emitters, TrackingConfig(combo=combo, cn0_min_dbhz=10.0), seed, threads)
     good = {(t.signal, t.prn): _good(t, emitter_of(plan, t)) for t in log.signals}
@@ -213,7 +215,7 @@ def _good(track: SignalTrack, emitter: _core.Emitter) -> bool:
     oscillator = track.carrier_phase_cycles + track.phase_error_cycles
     error = oscillator + emitter.received_phase_cycles(track.time_s)
     before = error[(track.time_s > FADE_S - 1.0) & (track.time_s < FADE_S)].mean()
-    after = error[track.time_s > FADE_S + HOLD_S].mean()
+    after = error[track.time_s > FADE_S + FALL_S + HOLD_S - 1.0].mean()
     return bool(abs(after - before) < SLIP_CYCLES)
 
 
@@ -233,7 +235,7 @@ def _fading(emitter: _core.Emitter, cn0_dbhz: float) -> _core.Emitter:
         doppler_hz=float(doppler_hz[0]),
         doppler_rate_hz_s=float(doppler_hz[1] - doppler_hz[0]),
         data_seed=emitter.prn,
-        power_db=[(0.0, 0.0), (FADE_S, 0.0), (FADE_S + 1.0, -fall_db), (1e3, -fall_db)],
+        power_db=[(0.0, 0.0), (FADE_S, 0.0), (FADE_S + FALL_S, -fall_db), (1e3, -fall_db)],
     )
 
 

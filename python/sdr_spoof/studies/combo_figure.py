@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from .combo import Hold, Value
 
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#882255")
 
 
 def draw(path: Path, noise: Sequence[Value], hold: Sequence[Hold]) -> None:

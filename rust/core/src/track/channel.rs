@@ -269,8 +269,9 @@ impl Joint {
             let s = &sidebands[i];
             epochs[i].taps[s.taps.prompt] / s.amplitude(interval_s)
         });
-        let signed = [0, 1].map(|i| sidebands[i].signed);
-        let steering = self.carrier.update(wiped(prompts, signed), interval_s);
+        let noise = of(&|s, _| s.cn0.noise_power(interval_s) / s.amplitude(interval_s).powi(2));
+        let prompts = wiped(prompts, [0, 1].map(|i| sidebands[i].signed));
+        let steering = self.carrier.update(prompts, noise, interval_s);
         let errors_s = of(&|s, i| measured[i].code_error_chips / s.spec.chip_rate_hz);
         let rates = self
             .code
