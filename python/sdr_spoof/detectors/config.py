@@ -15,6 +15,9 @@ class DetectionConfig(BaseModel):
     detectors: tuple[str, ...] = Field(
         (
             "phase_difference_rate",
+            "phase_difference_glr",
+            "code_difference",
+            "code_minus_carrier",
             "delta_metric",
             "delta_metric_variance",
             "ratio_metric",

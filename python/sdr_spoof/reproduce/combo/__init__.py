@@ -7,12 +7,20 @@ from collections.abc import Sequence
 from sdr_spoof.progress import Stages
 from sdr_spoof.reproduce.study import Effort, Section, Study
 
-from . import capture, errata, multipath_section, phase_jump, receiver_section, thresholds
+from . import (
+    capture,
+    echo_section,
+    errata,
+    multipath_section,
+    phase_jump,
+    receiver_section,
+    thresholds,
+)
 
 
 def sections(effort: Effort, stages: Stages) -> Sequence[Section]:
     """Every part of the study, in the order of the publication."""
-    parts = (thresholds, capture, phase_jump, receiver_section, multipath_section)
+    parts = (thresholds, capture, phase_jump, receiver_section, multipath_section, echo_section)
     return [part.section(effort, stages) for part in parts]
 
 

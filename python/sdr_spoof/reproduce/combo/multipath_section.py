@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sdr_spoof.campaign.analysis import wilson
 from sdr_spoof.report.figures import style
-from sdr_spoof.reproduce.proportion import wilson
 from sdr_spoof.reproduce.study import Number, Picture, Section, Table
 
 from .multipath import (

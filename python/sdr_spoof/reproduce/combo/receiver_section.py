@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sdr_spoof.reproduce.parallel import workers
 from sdr_spoof.reproduce.study import Picture, Section, Table
 
 from . import published
 from .receiver import DRAG_S, END_S, IF, IF_RATE_HZ, ON_AIR_S, Point, methods
 from .receiver_figure import draw_detection
-from .sweep import Result, columns, details, measure, row, workers
+from .sweep import Result, columns, details, measure, row
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
