@@ -18,7 +18,7 @@ from pydantic import ValidationError
 
 from sdr_spoof.errors import ConfigError, SdrSpoofError
 
-from . import acquire, bench, campaign, demo, info, process, synth, track, validate
+from . import acquire, bench, campaign, demo, info, process, reproduce, synth, track, validate
 from .command import INTERRUPTED, Command, Outcome, to_plain
 from .ui import Ui
 
@@ -37,6 +37,7 @@ COMMANDS: tuple[Command, ...] = (
     campaign.COMMAND,
     bench.COMMAND,
     validate.COMMAND,
+    reproduce.COMMAND,
 )
 
 

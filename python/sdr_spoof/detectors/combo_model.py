@@ -76,6 +76,25 @@ def threshold_for_likelihood_ratio_hz(
     return np.asarray(variance * np.log(likelihood_ratio) / shift_hz + shift_hz / 2.0)
 
 
+def log_likelihood_ratio(
+    x_hz: ArrayLike, sigma_hz: ArrayLike, shift_hz: float
+) -> NDArray[np.float64]:
+    """Logarithm of p(x; H1) / p(x; H0) of a measured rate difference (equations 20 to 23).
+
+    ``sigma_hz`` is that of the difference, ``shift_hz`` its mean under H1 (equation 17).
+    """
+    x = np.asarray(x_hz, dtype=np.float64)
+    variance = np.asarray(sigma_hz, dtype=np.float64) ** 2
+    return np.asarray(shift_hz * (2.0 * x - shift_hz) / (2.0 * variance))
+
+
+def false_alarm_probability(
+    sigma_hz: ArrayLike, threshold_hz: ArrayLike, *, two_sided: bool = False
+) -> NDArray[np.float64]:
+    """Probability that noise alone crosses the threshold (equation 25)."""
+    return detection_probability(0.0, sigma_hz, threshold_hz, two_sided=two_sided)
+
+
 def detection_probability(
     shift_hz: ArrayLike, sigma_hz: ArrayLike, threshold_hz: ArrayLike, *, two_sided: bool = False
 ) -> NDArray[np.float64]:
@@ -108,3 +127,32 @@ def capture_rate_mean_hz(drag_hz: ArrayLike, amplitude_ratio: ArrayLike) -> NDAr
     """
     eta = np.asarray(amplitude_ratio, dtype=np.float64)
     return np.asarray((1.0 + np.sign(eta - 1.0)) / 2.0 * np.asarray(drag_hz, dtype=np.float64))
+
+
+def capture_phase_cycles(beat_cycles: ArrayLike, amplitude_ratio: ArrayLike) -> NDArray[np.float64]:
+    """Phase of the sum of both signals against the authentic one, in (-1/2, 1/2] cycle.
+
+    ``beat_cycles`` is the spoofer's phase against the authentic signal, f_e t plus its start. The
+    loop follows this phase where it is fast enough; equation 13 is its small-angle form.
+    """
+    turned = np.exp(2j * np.pi * np.asarray(beat_cycles, dtype=np.float64))
+    eta = np.asarray(amplitude_ratio, dtype=np.float64)
+    return np.asarray(np.angle(1.0 + eta * turned) / (2.0 * np.pi))
+
+
+def capture_phase_small_angle_cycles(
+    beat_cycles: ArrayLike, amplitude_ratio: ArrayLike
+) -> NDArray[np.float64]:
+    """Phase of the loop as published, eta / (1 + eta) times the spoofer's phase (equation 13)."""
+    return capture_rate_small_angle_hz(beat_cycles, amplitude_ratio)
+
+
+def correlation_gain(offset_hz: ArrayLike, integration_s: float) -> NDArray[np.float64]:
+    """Amplitude that a coherent integration keeps of a signal off in frequency: sinc(f T)."""
+    return np.asarray(np.sinc(np.asarray(offset_hz, dtype=np.float64) * integration_s))
+
+
+def folded_hz(offset_hz: ArrayLike, integration_s: float) -> NDArray[np.float64]:
+    """What a frequency discriminator with updates each T makes of an offset: within +-1 / (2 T)."""
+    turns = np.asarray(offset_hz, dtype=np.float64) * integration_s
+    return np.asarray((turns - np.round(turns)) / integration_s)

@@ -69,8 +69,8 @@ def colour(signal: str) -> str:
     return BAND_COLOURS.get(signal, MUTED)
 
 
-def render(draw: Callable[[Figure], None], width_in: float, height_in: float) -> str:
-    """Draws one figure and returns it as a data URI; the same input gives the same bytes."""
+def png(draw: Callable[[Figure], None], width_in: float, height_in: float) -> bytes:
+    """Draws one figure and returns it as PNG; the same input gives the same bytes."""
     with rc_context(RC):  # type: ignore[arg-type]
         figure = Figure(figsize=(width_in, height_in), dpi=140, layout="constrained")
         FigureCanvasAgg(figure)
@@ -79,7 +79,13 @@ def render(draw: Callable[[Figure], None], width_in: float, height_in: float) ->
         figure.savefig(buffer, format="png", metadata={"Software": None})
     del figure
     gc.collect(1)  # figures refer to themselves; left to themselves, dozens of them pile up
-    return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode("ascii")
+    return buffer.getvalue()
+
+
+def render(draw: Callable[[Figure], None], width_in: float, height_in: float) -> str:
+    """Draws one figure and returns it as a data URI; the same input gives the same bytes."""
+    content = png(draw, width_in, height_in)
+    return "data:image/png;base64," + base64.b64encode(content).decode("ascii")
 
 
 def thinned(
