@@ -1,8 +1,12 @@
 """From the alarms of all detectors to one verdict per satellite. The rule, in order:
 
 1. **spoofed**: a test of consistency has alarmed: things parted that only an attack parts.
-2. **suspect**: only tests of signal quality have alarmed. Multipath and interference change the
-   shape of a peak and power too, so they alone never mean spoofing.
+   Unless a reflection explains it: the phase difference has jumped but is not turning, neither
+   carrier alone left its course, no code moved, no power rose, and the peaks of *all* bands changed
+   shape within ``TOGETHER_S``: a spoofer in one band leaves the other's peak alone, one in all
+   bands needs power. Then it is
+2. **suspect**, as it is where only tests of signal quality have alarmed. Multipath and interference
+   change the shape of a peak and power too, so they alone never mean spoofing.
 3. **clean**: no alarm, and a test that could have said 'spoofed' covered ``min_tested_s``.
 4. **not enough support**: anything else.
 
@@ -26,11 +30,13 @@ from statistics import median_high
 import numpy as np
 
 from sdr_spoof import detectors
-from sdr_spoof.attribution import Attribution, attribute
-from sdr_spoof.detectors import DetectionConfig
+from sdr_spoof.attribution import Attribution, attribute, kind_of
+from sdr_spoof.detectors import DetectionConfig, phase_difference_glr
 from sdr_spoof.records import Alarm, SatelliteVerdict, SignalTrack, State, TrackLog
 from sdr_spoof.signals import signal_spec
 
+TOGETHER_S = 2.0
+"""What one reflection does to several tests is dated no further apart."""
 CLEAN, SUSPECT, SPOOFED, NO_SUPPORT = "clean", "suspect", "spoofed", "not enough support"
 
 
@@ -70,12 +76,16 @@ def judge(
     deciding = [a for a in alarms if evidence_of(a.detector) == "consistency"] or alarms
     support_s, tests = _support(examined, config)
     if alarms:
-        verdict = SPOOFED if evidence_of(deciding[0].detector) == "consistency" else SUSPECT
-        onset_s = fused_onset(deciding, alarms)
         held = _held(log, system, prn)
+        reflected = is_reflection(deciding, alarms, held)
+        strong = evidence_of(deciding[0].detector) == "consistency" and not reflected
+        verdict = SPOOFED if strong else SUSPECT
+        onset_s = fused_onset(deciding, alarms)
         where = attribute(held, alarms, onset_s, config)
         action, fallback = _action(verdict, where, held, deciding)
         reason = _alarm_reason(deciding, alarms, where, onset_s)
+        if reflected:
+            reason += "; the peaks of all its bands changed with it: a reflection does this too"
         confidence = _confidence(deciding, examined)
     else:
         onset_s, where, confidence, fallback = None, Attribution(None, None, ()), None, None
@@ -126,6 +136,19 @@ def fused_onset(deciding: Sequence[Alarm], alarms: Sequence[Alarm]) -> float:
     """
     first_s = min(a.alarm_s for a in deciding)
     return median_high(a.onset_s for a in alarms if a.onset_s <= first_s)
+
+
+def is_reflection(deciding: Sequence[Alarm], alarms: Sequence[Alarm], held: Sequence[str]) -> bool:
+    """Whether multipath that came or went explains all alarms."""
+    if any(a.detector != phase_difference_glr.NAME or a.band is not None for a in deciding):
+        return False
+    if any(kind_of(a) == "power" for a in alarms):
+        return False
+    jump_s = min(a.onset_s for a in deciding)
+    bent = {
+        a.band for a in alarms if kind_of(a) == "shape" and abs(a.onset_s - jump_s) <= TOGETHER_S
+    }
+    return len(held) > 1 and bent >= set(held)
 
 
 def _support(examined: Sequence[Examined], config: DetectionConfig) -> tuple[float, int]:

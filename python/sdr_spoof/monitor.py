@@ -16,7 +16,8 @@ from __future__ import annotations
 import dataclasses
 from typing import TYPE_CHECKING
 
-from .fusion import SPOOFED, evidence_of
+from .detectors import phase_difference_glr
+from .fusion import SPOOFED, SUSPECT, evidence_of
 from .isolation import Isolation
 from .records import ComboTrack, SignalTrack, TrackLog
 from .signals import signal_spec
@@ -40,6 +41,8 @@ class Monitor:
         """Watch with these detectors and thresholds."""
         self.isolated: list[Isolation] = []
         self._config = detection
+        self._reflected: set[tuple[str, int]] = set()
+        """Satellites whose jumps of phase a reflection explained: more of them say nothing."""
         strong = [n for n in detection.detectors if evidence_of(n) == "consistency"]
         self._often = self._of([n for n in strong if not n.startswith("code")])
         self._seldom = self._of(strong)
@@ -86,14 +89,18 @@ class Monitor:
         if not open_.combos or not detect(open_, first).spoofed:
             return []
         # The other satellites are needed for the clock, the isolated ones too.
-        return [
-            Isolation(signal=s.band, prn=s.prn, from_s=now_s)
-            for s in detect(log, self._config).satellites
-            if s.verdict == SPOOFED
-            and s.band is not None
-            and s.fallback is not None
-            and (s.system, s.prn) not in done
-        ]
+        found = []
+        for s in detect(log, self._config).satellites:
+            key = s.system, s.prn
+            strong = {a.detector for a in s.alarms if evidence_of(a.detector) == "consistency"}
+            if s.verdict == SUSPECT and strong:
+                self._reflected.add(key)
+            known = key in self._reflected and strong == {phase_difference_glr.NAME}
+            if s.verdict != SPOOFED or s.band is None or s.fallback is None or known:
+                continue
+            if key not in done:
+                found.append(Isolation(signal=s.band, prn=s.prn, from_s=now_s))
+        return found
 
 
 def _satellite(signal: str, prn: int) -> tuple[str, int]:

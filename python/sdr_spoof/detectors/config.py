@@ -157,6 +157,9 @@ class DetectionConfig(BaseModel):
     quality_window_s: float = Field(
         1.0, ge=0.1, le=60.0, description="Window of the signal-quality metrics, in s."
     )
+    quality_settle_s: float = Field(
+        2.0, ge=0.0, description="Left out after each (re)lock while the code loop settles, in s."
+    )
     quality_reference_s: float = Field(
         10.0,
         ge=0.5,
