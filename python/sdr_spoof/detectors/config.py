@@ -147,9 +147,18 @@ class DetectionConfig(BaseModel):
         lt=1.0,
         description="A band is named from this probability on that it is the captured one.",
     )
+    monitor_lookback_s: float = Field(
+        16.0,
+        ge=5.0,
+        description="Signal that is looked at each second while tracking, in s; by the tests of "
+        "code each fourth second, and four times as much.",
+    )
     # Signal quality: delta_metric, ratio_metric and their variances.
     quality_window_s: float = Field(
         1.0, ge=0.1, le=60.0, description="Window of the signal-quality metrics, in s."
+    )
+    quality_settle_s: float = Field(
+        2.0, ge=0.0, description="Left out after each (re)lock while the code loop settles, in s."
     )
     quality_reference_s: float = Field(
         10.0,
