@@ -71,7 +71,8 @@ def section(effort: Effort, stages: Stages) -> Section:
             "A static echo that stays is in the reference of every detector. One that arrives is a "
             "jump of the phase difference, which the jump-and-slope test must take for an attack: "
             "a spoofer with another phase does the same. The rate test sees it for its window of 1 "
-            "s, and as calibrated does not alarm. Of moving echoes the phase difference carries "
+            "s, and alarms only where the jump is large. Of moving echoes the phase difference "
+            "carries "
             "the beat, whatever the test.",
         ),
         tables=[_threshold_table(scores[:spoofed], equal), *_tables(echoes, cases, equal)],
