@@ -44,7 +44,7 @@ KINDS = {
 }
 SHARE = 5
 """One run for so many of the effort's: they are long."""
-LEAST_SPOOFED = 20
+LEAST_SPOOFED = 10
 
 
 def section(effort: Effort, stages: Stages) -> Section:
