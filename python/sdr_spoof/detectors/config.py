@@ -15,6 +15,9 @@ class DetectionConfig(BaseModel):
     detectors: tuple[str, ...] = Field(
         (
             "phase_difference_rate",
+            "phase_difference_glr",
+            "code_difference",
+            "code_minus_carrier",
             "delta_metric",
             "delta_metric_variance",
             "ratio_metric",
@@ -88,9 +91,15 @@ class DetectionConfig(BaseModel):
         description="Signal before a window from which level and noise are measured, in s.",
     )
     phase_difference_glr_drift_hz: float = Field(
-        1e-4,
+        5e-5,
         ge=0.0,
         description="Innocent drift of the phase difference (ionosphere, inter-band bias), in Hz.",
+    )
+    code_wander_m: float = Field(
+        3.0,
+        ge=0.0,
+        description="Width of the band within which multipath may move a code delay innocently, "
+        "in m.",
     )
     code_difference_windows_s: tuple[Annotated[float, Field(gt=0.0, le=300.0)], ...] = Field(
         (1.0, 2.0, 5.0, 10.0, 20.0),

@@ -212,7 +212,7 @@ def _series(
         detector=name,
         system=_core.signal_spec(track.signal)["system"],
         prn=track.prn,
-        unit="standard deviations" if scatter else "of the prompt",
+        unit="sigma" if scatter else "of the prompt",
         time_s=columns[0],
         value=columns[1],
         sigma=columns[2],

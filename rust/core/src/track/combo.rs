@@ -19,6 +19,9 @@ use super::loop_filter::LoopFilter;
 use super::quality::RunningMean;
 use crate::C64;
 
+/// Memory of the subcarrier-lock indicator, s.
+pub const ALIGNMENT_S: f64 = 0.2;
+
 /// The joint loops.
 #[derive(Debug, Clone)]
 pub struct JointLoops {
@@ -62,7 +65,7 @@ impl JointLoops {
                     .starting(half - ratio * mean(doppler_hz), 0.0)
             }),
             ratio,
-            alignment: RunningMean::new(0.2),
+            alignment: RunningMean::new(ALIGNMENT_S),
         }
     }
 
