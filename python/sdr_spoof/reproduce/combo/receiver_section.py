@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sdr_spoof.reproduce.parallel import workers
 from sdr_spoof.reproduce.study import Picture, Section, Table
 
 from . import published
@@ -36,20 +35,19 @@ HELD = 0.95
 """Share of clean runs that must hold both bands for a C/N0 to count as held."""
 
 
-def section(effort: Effort, stages: Stages) -> Section:
+def section(effort: Effort, stages: Stages, executor: Executor | None = None) -> Section:
     """Lowest C/N0, the sweeps at two of them, the subset from samples."""
-    with workers(effort.threads) as executor:
-        measured = _Measured(effort, executor, stages)
-        kept = measured.of(
-            "Lowest C/N0",
-            [Point(cn0, 0.0, 0.0) for cn0 in (CN0S_QUICK_DBHZ if effort.quick else CN0S_DBHZ)],
-        )
-        lowest = lowest_held(kept)
-        sweeps = [
-            measured.of(f"Receiver, {cn0:g} dB-Hz", _points(cn0))
-            for cn0 in dict.fromkeys((STATED_DBHZ, lowest or STATED_DBHZ))
-        ]
-        subset = measured.of("Receiver, from samples", _if_points(effort))
+    measured = _Measured(effort, executor, stages)
+    kept = measured.of(
+        "Lowest C/N0",
+        [Point(cn0, 0.0, 0.0) for cn0 in (CN0S_QUICK_DBHZ if effort.quick else CN0S_DBHZ)],
+    )
+    lowest = lowest_held(kept)
+    sweeps = [
+        measured.of(f"Receiver, {cn0:g} dB-Hz", _points(cn0))
+        for cn0 in dict.fromkeys((STATED_DBHZ, lowest or STATED_DBHZ))
+    ]
+    subset = measured.of("Receiver, from samples", _if_points(effort))
     sweeps.append(subset)
     return Section(
         "The same sweep through the receiver",
