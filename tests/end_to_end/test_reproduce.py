@@ -51,7 +51,7 @@ def short(monkeypatch):
     """Parts that take seconds even with one run, shortened."""
     monkeypatch.setattr(multipath, "EPOCHS", 400)
     monkeypatch.setattr(receiver_section, "IF_QUICK_HZ", (1.0,))
-    monkeypatch.setattr(receiver_section, "CN0S_DBHZ", (30.0,))
+    monkeypatch.setattr(receiver_section, "CN0S_QUICK_DBHZ", (30.0,))
     monkeypatch.setattr(receiver_section, "_points", few_points)
     monkeypatch.setattr(echo_section, "AMPLITUDES", (0.5,))
     monkeypatch.setattr(echo_section, "LEAST_SPOOFED", 1)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from sdr_spoof.progress import Stages
+from sdr_spoof.reproduce.parallel import workers
 from sdr_spoof.reproduce.study import Effort, Section, Study
 
 from . import (
@@ -20,8 +21,11 @@ from . import (
 
 def sections(effort: Effort, stages: Stages) -> Sequence[Section]:
     """Every part of the study, in the order of the publication."""
-    parts = (thresholds, capture, phase_jump, receiver_section, multipath_section, echo_section)
-    return [part.section(effort, stages) for part in parts]
+    model = [part.section(effort, stages) for part in (thresholds, capture, phase_jump)]
+    with workers(effort.threads) as executor:
+        receiver = receiver_section.section(effort, stages, executor)
+        echoes = echo_section.section(effort, stages, executor)
+    return [*model, receiver, multipath_section.section(effort, stages), echoes]
 
 
 STUDY = Study(

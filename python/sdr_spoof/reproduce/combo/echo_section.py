@@ -8,7 +8,7 @@ import numpy as np
 
 from sdr_spoof import detectors
 from sdr_spoof.campaign.analysis import wilson
-from sdr_spoof.reproduce.parallel import repeat, seed_of, workers
+from sdr_spoof.reproduce.parallel import repeat, seed_of
 from sdr_spoof.reproduce.study import Section, Table
 
 from . import published
@@ -27,6 +27,8 @@ from .echo_runs import (
 from .multipath import DELAYS_M, DETECTION
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from numpy.typing import NDArray
 
     from sdr_spoof.progress import Stages
@@ -44,10 +46,10 @@ KINDS = {
 }
 SHARE = 5
 """One run for so many of the effort's: they are long."""
-LEAST_SPOOFED = 20
+LEAST_SPOOFED = 10
 
 
-def section(effort: Effort, stages: Stages) -> Section:
+def section(effort: Effort, stages: Stages, executor: Executor | None = None) -> Section:
     """False alarms of the registered detectors, calibrated and at equal detection."""
     runs = max(1, effort.runs // SHARE)
     cases = [Case(kind, a, fading) for kind, fading in KINDS.values() for a in AMPLITUDES]
@@ -55,7 +57,7 @@ def section(effort: Effort, stages: Stages) -> Section:
     spoofed = len(jobs)
     for number, case in enumerate(cases, 1):
         jobs += [(case, seed_of(SEED, (float(number),), k)) for k in range(runs)]
-    with workers(effort.threads) as executor, stages("Multipath, receiver") as progress:
+    with stages("Multipath, receiver") as progress:
         scores = np.array(repeat(run, jobs, executor, progress))
     equal = np.quantile(scores[:spoofed], 1.0 - DETECTION, axis=0)
     echoes = scores[spoofed:].reshape(len(cases), runs, -1)
@@ -71,7 +73,8 @@ def section(effort: Effort, stages: Stages) -> Section:
             "A static echo that stays is in the reference of every detector. One that arrives is a "
             "jump of the phase difference, which the jump-and-slope test must take for an attack: "
             "a spoofer with another phase does the same. The rate test sees it for its window of 1 "
-            "s, and as calibrated does not alarm. Of moving echoes the phase difference carries "
+            "s, and alarms only where the jump is large. Of moving echoes the phase difference "
+            "carries "
             "the beat, whatever the test.",
         ),
         tables=[_threshold_table(scores[:spoofed], equal), *_tables(echoes, cases, equal)],
