@@ -15,10 +15,14 @@ from sdr_spoof.errors import OutputError
 from sdr_spoof.fusion import per_test
 from sdr_spoof.records import Acquisition, Alarm, SatelliteVerdict, TrackLog, Verdict
 from sdr_spoof.report import words
-from sdr_spoof.report.figures.difference import Margin, TruthMark, draw_difference, draw_margins
+from sdr_spoof.report.evidence import EvidenceBook
+from sdr_spoof.report.figures.case import Case
+from sdr_spoof.report.figures.difference import draw_difference
+from sdr_spoof.report.figures.overview import draw_overview, draw_quiet
 from sdr_spoof.report.figures.satellite import draw_satellite
 from sdr_spoof.report.figures.signals import draw_acquisition, draw_cn0
 from sdr_spoof.report.figures.spectrum import draw_spectrum
+from sdr_spoof.report.figures.truth import TruthMark
 from sdr_spoof.report.spectrum import RecordingLike, estimate_spectrum
 from sdr_spoof.sinks.atomic import replacing
 from sdr_spoof.verdict import CLEAN, NO_SUPPORT, SPOOFED, SUSPECT, statistics, system_of
@@ -26,6 +30,8 @@ from sdr_spoof.verdict import CLEAN, NO_SUPPORT, SPOOFED, SUSPECT, statistics, s
 MARKS = {SPOOFED: "✖", SUSPECT: "?", CLEAN: "✔", NO_SUPPORT: "–"}
 MOST_DETAILS = 16
 """Satellites drawn in detail, worst news first; more would make the report slow and large."""
+MOST_OVERVIEWS = 3
+"""Overviews at the top of the report; those of further satellites are in their details."""
 LIBRARIES = ("sdr-spoof", "numpy", "scipy", "matplotlib")
 
 
@@ -51,9 +57,8 @@ def write_report(
     if path.exists() and not force:
         raise OutputError(f"{path}: exists already; add --force to replace it")
     ordered = words.ordered(verdict)
-    leading = words.leading_alarms(verdict)
     tests = _draw_tests(log, ordered, detection, truth)
-    hit = [(s.system, s.prn) for s in ordered if s.verdict == SPOOFED]
+    verdicts = {(s.system, s.prn): s.verdict for s in ordered}
     signals = list(
         dict.fromkeys([t.signal for t in log.signals] or [a.signal for a in acquisitions])
     )
@@ -62,9 +67,9 @@ def write_report(
         words=words,
         verdict=verdict,
         level=words.level(verdict),
-        alarms=leading,
-        actions=[words.action_sentence(s) for s in ordered if s.verdict == SPOOFED],
+        accused=[s for s in ordered if s.alarms],
         tested=words.tested_sentence(verdict, detection.detectors),
+        tests=words.tests(detection.detectors),
         satellites=ordered,
         marks=MARKS,
         log=log,
@@ -73,10 +78,11 @@ def write_report(
         acquisition_figure=draw_acquisition(acquisitions) if acquisitions else None,
         spectrum=spectrum,
         spectrum_figure=draw_spectrum(spectrum, signals) if spectrum is not None else None,
-        cn0_figure=draw_cn0(log, hit) if log.signals else None,
-        margins_figure=draw_margins([*tests.margins.values()], hit) if tests.margins else None,
-        key_figures=[(a, tests.alarms[a]) for a in leading],
-        details=list(_details(ordered[:MOST_DETAILS], log, tests, leading)),
+        cn0_figure=draw_cn0(log, verdicts) if log.signals else None,
+        table=list(tests.book.rows(detection.detectors, list(verdicts))),
+        verdicts=verdicts,
+        overviews=[(s, tests.overviews[s.system, s.prn]) for s in ordered if _on_top(s, ordered)],
+        details=list(_details(ordered[:MOST_DETAILS], log, tests)),
         left_out=[words.satellite_name(s.system, s.prn) for s in ordered[MOST_DETAILS:]],
         config=list(flatten(effective_config or {"detection": detection.model_dump()})),
         versions=[(name, version(name)) for name in LIBRARIES]
@@ -98,14 +104,20 @@ def _template() -> Template:
     return environment.get_template("report.html.j2")
 
 
+def _on_top(satellite: SatelliteVerdict, ordered: Sequence[SatelliteVerdict]) -> bool:
+    """Whether a satellite's overview is at the top of the report."""
+    return bool(satellite.alarms) and satellite in ordered[:MOST_OVERVIEWS]
+
+
 @dataclass
 class _Tests:
-    """Pictures of what was tested."""
+    """What was tested, and pictures of it."""
 
-    margins: dict[tuple[str, int], Margin] = field(default_factory=dict)
+    book: EvidenceBook = field(default_factory=EvidenceBook)
+    overviews: dict[tuple[str, int], str] = field(default_factory=dict)
     alarms: dict[Alarm, str] = field(default_factory=dict)
     quiet: dict[tuple[str, int], str] = field(default_factory=dict)
-    """Of satellites without an alarm: the section that came closest to the threshold."""
+    """Of satellites without an alarm."""
 
 
 def _draw_tests(
@@ -121,36 +133,38 @@ def _draw_tests(
     for series in statistics(log, config):
         if series.time_s.size:
             key = series.system, series.prn
-            mark = truth if _concerns(truth, *key) else None
-            for alarm in verdicts[key].alarms:
+            drawn.book.satellites[key].take(series, shown, verdicts[key].alarms)
+            for alarm in verdicts[key].alarms if key in detailed else ():
                 if series.raised(alarm) and series.covers(alarm.alarm_s):
-                    drawn.alarms[alarm] = draw_difference(series, shown, alarm, mark)
-            margin = Margin.of(series, shown)
-            if key not in drawn.margins or margin.of_threshold > drawn.margins[key].of_threshold:
-                drawn.margins[key] = margin
-                if not verdicts[key].alarms and key in detailed:
-                    drawn.quiet[key] = draw_difference(series, shown, None, mark)
+                    drawn.alarms[alarm] = draw_difference(series, shown, alarm, _of(truth, *key))
         del series  # before the next one is made: they are large
+    for satellite in satellites[:MOST_DETAILS]:
+        key = satellite.system, satellite.prn
+        if key not in drawn.book.satellites:
+            continue
+        case = Case.of(satellite, drawn.book.satellites[key], log, _of(truth, *key))
+        if satellite.alarms:
+            drawn.overviews[key] = draw_overview(case)
+        else:
+            drawn.quiet[key] = draw_quiet(case)
     return drawn
 
 
-def _concerns(truth: TruthMark | None, system: str, prn: int) -> bool:
-    return truth is not None and truth.prn in (None, prn) and truth.system == system
+def _of(truth: TruthMark | None, system: str, prn: int) -> TruthMark | None:
+    return truth if truth is not None and truth.concerns(system, prn) else None
 
 
 def _details(
-    satellites: Sequence[SatelliteVerdict],
-    log: TrackLog,
-    tests: _Tests,
-    leading: Sequence[Alarm],
-) -> Iterator[tuple[SatelliteVerdict, str, str | None, list[tuple[Alarm, str]]]]:
-    """(satellite, small multiples, its closest test if all were quiet, alarms not shown above)."""
+    satellites: Sequence[SatelliteVerdict], log: TrackLog, tests: _Tests
+) -> Iterator[tuple[SatelliteVerdict, str, str | None, str | None, list[tuple[Alarm, str]]]]:
+    """(satellite, small multiples, overview not at the top, tests of a quiet one, alarms)."""
     for satellite in satellites:
         key = satellite.system, satellite.prn
         tracks = [t for t in log.signals if (system_of(t.signal), t.prn) == key]
         figure = draw_satellite(tracks, satellite.onset_s, log.duration_s)
-        more = [(a, tests.alarms[a]) for a in satellite.alarms if a not in leading]
-        yield satellite, figure, tests.quiet.get(key), more
+        overview = None if _on_top(satellite, satellites) else tests.overviews.get(key)
+        alarms = [(a, tests.alarms[a]) for a in satellite.alarms if a in tests.alarms]
+        yield satellite, figure, overview, tests.quiet.get(key), alarms
 
 
 def flatten(config: Mapping[str, object], prefix: str = "") -> Iterator[tuple[str, str]]:

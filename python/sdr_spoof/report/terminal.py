@@ -29,14 +29,13 @@ def print_verdict(
     config = config or DetectionConfig()
     colour = COLOURS[words.level(verdict)]
     lines = [Text(words.headline(verdict), style=colour)]
-    for alarm in words.leading_alarms(verdict):
-        lines.append(Text(words.alarm_sentence(alarm), style="bold"))
-        lines.append(Text(f"  {words.evidence(alarm)}"))
-        lines.append(Text(f"  How sure: {words.sureness(alarm)}."))
-    lines.extend(
-        Text(words.action_sentence(s)) for s in words.ordered(verdict) if s.verdict == SPOOFED
-    )
-    lines.append(Text(words.tested_sentence(verdict, config.detectors)))
+    for satellite in words.ordered(verdict):
+        if satellite.alarms:
+            lines.append(Text(words.satellite_sentence(satellite), style="bold"))
+            lines.append(Text(f"  {words.alarms_sentence(satellite)}"))
+            lines.append(Text(f"  How sure: {words.sureness(satellite)}."))
+            lines.append(Text(f"  What to do: {words.action_sentence(satellite)}."))
+    lines.append(Text(f"Tested: {words.tested_sentence(verdict, config.detectors)}"))
     console.print(Panel(Group(*lines), title="Verdict", border_style=colour, padding=(1, 2)))
     if verdict.satellites:
         console.print(_table(verdict))

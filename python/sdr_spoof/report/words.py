@@ -44,42 +44,62 @@ def has_support(verdict: Verdict) -> bool:
     return any(s.verdict != NO_SUPPORT for s in verdict.satellites)
 
 
-def alarm_sentence(alarm: Alarm) -> str:
-    """Satellite, band and time of an alarm."""
-    who = satellite_name(alarm.system, alarm.prn)
-    return f"{who}: {_what(alarm)}, since {alarm.onset_s:.2f} s."
+def satellite_sentence(satellite: SatelliteVerdict) -> str:
+    """What happened to a satellite with an alarm, and since when."""
+    who = satellite_name(satellite.system, satellite.prn)
+    since = f", since {satellite.onset_s:.2f} s" if satellite.onset_s is not None else ""
+    if satellite.verdict == SUSPECT:
+        return f"{who}: {_what(satellite.alarms[0])}{since}."
+    if satellite.band is None:
+        return f"{who}: spoofed, in which band cannot be told{since}."
+    return f"{who}: its {band_name(satellite.band)} signal has been captured{since}."
 
 
 def _what(alarm: Alarm) -> str:
     band = band_name(alarm.band)
-    if evidence_of(alarm.detector) == "quality":
-        if alarm.detector == power.NAME:
-            return f"{alarm.quantity} of its {band} signal rose; multipath or a spoofer"
-        return f"the correlation peak of its {band} signal changed shape; multipath or a spoofer"
-    thing = "code" if alarm.detector.startswith("code") else "carrier"
-    if alarm.band is not None:
-        return f"its {band} {thing} left its course"
-    return f"the {thing}s of its two bands no longer move together; which one left is unclear"
+    if alarm.detector == power.NAME:
+        return f"{alarm.quantity} of its {band} signal rose; multipath or a spoofer"
+    return f"the correlation peak of its {band} signal changed shape; multipath or a spoofer"
 
 
-def leading_alarms(verdict: Verdict) -> list[Alarm]:
-    """What the verdict rests on: the first alarm of each spoofed or suspect satellite, and all
-    others of consistency."""
-    return [
-        alarm
-        for s in ordered(verdict)
-        for k, alarm in enumerate(s.alarms)
-        if k == 0 or evidence_of(alarm.detector) == "consistency"
-    ]
+def alarms_sentence(satellite: SatelliteVerdict) -> str:
+    """The first alarm with its number, and which other tests confirm it."""
+    first = min(satellite.alarms, key=_order)
+    parts = [f"{_test(first)}: {evidence(first)}"]
+    others = dict.fromkeys(
+        f"{_test(a)} ({a.alarm_s:.2f} s)" for a in sorted(satellite.alarms, key=_order)[1:]
+    )
+    if others:
+        parts.append(f"then {', '.join(others)}")
+    return "; ".join(parts)
+
+
+def _order(alarm: Alarm) -> tuple[bool, float]:
+    return evidence_of(alarm.detector) != "consistency", alarm.alarm_s
+
+
+def _test(alarm: Alarm) -> str:
+    """Title of an alarm's test, with what it measured on which signal."""
+    title = detectors.find(alarm.detector).title
+    if alarm.detector.startswith(("phase_difference", "code_difference")):
+        return title
+    composite = _core.signal_spec(alarm.band)["composite"] if alarm.band else ""
+    return " ".join(filter(None, (title, alarm.quantity and f"({alarm.quantity})", composite)))
 
 
 def action_sentence(satellite: SatelliteVerdict) -> str:
-    """Which band was captured, how sure that is, and what to do."""
-    who = satellite_name(satellite.system, satellite.prn)
+    """What to do with a satellite, and how sure it is which band was captured."""
+    if satellite.verdict != SPOOFED:
+        return satellite.action
     if satellite.band is None:
-        return f"{who}: which band was captured cannot be told; {satellite.action}."
-    sure = f", {satellite.band_confidence:.1%} sure" if satellite.band_confidence else ""
-    return f"{who}: captured is {band_name(satellite.band)}{sure}; {satellite.action}."
+        return f"{satellite.action}: which band was captured cannot be told"
+    sure = f", {_percent(satellite.band_confidence)} sure" if satellite.band_confidence else ""
+    return f"{satellite.action} ({band_name(satellite.band)} is the captured one{sure})"
+
+
+def _percent(probability: float) -> str:
+    """Never rounded up to certainty."""
+    return f"{min(probability, 0.999):.1%}" if probability < 0.999 else "more than 99.9%"
 
 
 def figure_title(alarm: Alarm) -> str:
@@ -103,8 +123,10 @@ def figure_note(alarm: Alarm) -> str:
     return f"It tests {detectors.find(alarm.detector).tests}. Shaded: what noise does."
 
 
-def sureness(alarm: Alarm) -> str:
-    """How sure the alarm is, as the probability that noise did it."""
+def sureness(satellite: SatelliteVerdict) -> str:
+    """How sure the verdict is, as the probability that noise raised its clearest alarm."""
+    deciding = [a for a in satellite.alarms if evidence_of(a.detector) == "consistency"]
+    alarm = min(deciding or satellite.alarms, key=lambda a: a.log10_p)
     if alarm.log10_p <= LOG10_P_FLOOR:
         return f"noise alone does this in fewer than 1 of {_power_of_ten(-LOG10_P_FLOOR)} tests"
     return f"noise alone does this in about 1 of {_power_of_ten(-alarm.log10_p)} tests"
@@ -113,6 +135,11 @@ def sureness(alarm: Alarm) -> str:
 def _power_of_ten(exponent: float) -> str:
     digits = str(round(exponent)).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
     return f"10{digits}"
+
+
+def times(ratio: float) -> str:
+    """How many times a threshold, short."""
+    return f"{ratio:.1f}×" if ratio < 10 else f"{ratio:.0f}×"
 
 
 def evidence(alarm: Alarm) -> str:
@@ -124,14 +151,19 @@ def evidence(alarm: Alarm) -> str:
 
 
 def tested_sentence(verdict: Verdict, names: tuple[str, ...]) -> str:
-    """What was tested, on how many satellites."""
+    """How many satellites were tested, by what."""
     done = sum(s.verdict != NO_SUPPORT for s in verdict.satellites)
-    what = "; ".join(detectors.find(name).tests for name in names)
     if not verdict.satellites:
         return "Nothing: no satellite was received."
     if not done:
-        return f"None of the {len(verdict.satellites)} satellites could be tested for {what}."
-    return f"On {done} of {len(verdict.satellites)} satellites: {what}."
+        return f"None of the {len(verdict.satellites)} satellites could be tested."
+    what = ", ".join(detectors.find(name).title for name in dict.fromkeys(names))
+    return f"{done} of {len(verdict.satellites)} satellites. Tests: {what}."
+
+
+def tests(names: tuple[str, ...]) -> list[detectors.Detector]:
+    """The tests that were made."""
+    return [detectors.find(name) for name in dict.fromkeys(names)]
 
 
 def ordered(verdict: Verdict) -> list[SatelliteVerdict]:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -15,38 +12,14 @@ from numpy.typing import NDArray
 from sdr_spoof import detectors
 from sdr_spoof.detectors import DetectionConfig, StatisticSeries
 from sdr_spoof.records import Alarm
+from sdr_spoof.report.evidence import broken, joined
 from sdr_spoof.report.figures import style
-from sdr_spoof.report.words import satellite_name
+from sdr_spoof.report.figures.truth import TruthMark
 from sdr_spoof.signals import signal_spec
 
 Window = tuple[float, float]
 """Times between which a panel shows a series."""
 ALL: Window = (-np.inf, np.inf)
-
-
-@dataclass(frozen=True)
-class TruthMark:
-    """What is known of an attack, drawn where a truth sidecar is given."""
-
-    start_s: float
-    """The spoofer comes on the air."""
-    capture_s: float | None = None
-    """It is as strong as the satellite."""
-    drag_start_s: float | None = None
-    """It begins to pull code and carrier away."""
-    system: str = "C"
-    prn: int | None = None
-
-    def lines(self) -> list[tuple[float, str, tuple[int, tuple[int, ...]]]]:
-        """(time, what happens, line style)."""
-        steps = (
-            (self.start_s, "spoofer on the air", (0, (1, 2))),
-            (self.capture_s, "as strong as the satellite", (0, (5, 3))),
-            (self.drag_start_s, "drags", (0, (9, 2, 2, 2))),
-        )
-        return [
-            (s, f"truth: {what} from {s:.2f} s", dash) for s, what, dash in steps if s is not None
-        ]
 
 
 def draw_difference(
@@ -64,7 +37,7 @@ def draw_difference(
             panels = figure.subplots(
                 2, 2, sharex="col", gridspec_kw={"width_ratios": [1.7, 1]}, squeeze=False
             )
-        trace = _joined(series, alarm)
+        trace = _levelled(series, alarm)
         windows = [ALL] if alarm is None else [ALL, _near_onset(series, alarm, truth)]
         for column, window in zip(panels.T, windows, strict=True):
             _trace(column[0], series, trace, window)
@@ -95,17 +68,9 @@ def _titles(top: Axes, bottom: Axes, series: StatisticSeries) -> None:
     bottom.set_title(f"{title} over {series.window_s:g} s{scale}")
 
 
-def _joined(series: StatisticSeries, alarm: Alarm | None) -> NDArray[np.float64]:
-    """Trace from its level before the onset; NaN where it is not used.
-
-    The phase after a loss of lock is arbitrary, so each piece goes on where the last one ended.
-    """
-    values = np.full(series.trace.shape, np.nan)
-    level = 0.0
-    for number in np.unique(series.trace_segment[series.trace_segment >= 0]):
-        rows = np.flatnonzero(series.trace_segment == number)
-        values[rows] = series.trace[rows] - np.median(series.trace[rows[:20]]) + level
-        level = float(np.median(values[rows[-20:]]))
+def _levelled(series: StatisticSeries, alarm: Alarm | None) -> NDArray[np.float64]:
+    """Trace from its level before the onset; NaN where it is not used."""
+    values = joined(series)
     quiet = np.isfinite(values)
     if alarm is not None:
         quiet &= series.trace_time_s < alarm.onset_s
@@ -120,8 +85,8 @@ def _trace(axes: Axes, series: StatisticSeries, trace: NDArray[np.float64], wind
 
 def _rate(axes: Axes, series: StatisticSeries, config: DetectionConfig, window: Window) -> None:
     threshold = series.threshold(config.false_alarm_probability)
-    time, value, limit = _broken(series, threshold)
-    shown = _inside(time, window, series.window_s) | np.isnan(time)
+    time, value, limit = broken(series, series.value, threshold)
+    shown = _inside(time, window, series.window_s)
     limit_time, edge = style.thinned(time[shown], limit[shown])
     axes.fill_between(limit_time, -edge, edge, color="#009e73", alpha=0.13, linewidth=0)
     for sign in (-1, 1):
@@ -139,18 +104,6 @@ def _rate(axes: Axes, series: StatisticSeries, config: DetectionConfig, window: 
         axes.yaxis.set_minor_locator(NullLocator())
         axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
     axes.set_xlabel("Time (s)")
-
-
-def _broken(
-    series: StatisticSeries, threshold: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Rows with a NaN between pieces and across untested stretches, so that lines break."""
-    step = np.diff(series.time_s)
-    usual = float(np.median(step)) if step.size else 0.0
-    cuts = np.flatnonzero((np.diff(series.segment) != 0) | (step > 1.5 * usual)) + 1
-    return tuple(  # type: ignore[return-value]
-        np.insert(column, cuts, np.nan) for column in (series.time_s, series.value, threshold)
-    )
 
 
 def _marks(axes: Axes, alarm: Alarm | None, truth: TruthMark | None) -> None:
@@ -209,54 +162,3 @@ def _close_up(
         margin = 0.1 * float(np.ptp(values)) + 1e-3
         top.set_ylim(float(values.min()) - margin, float(values.max()) + margin)
     top.set_title("Close-up of the onset")
-
-
-@dataclass(frozen=True)
-class Margin:
-    """How close a satellite came to the threshold of a test."""
-
-    system: str
-    prn: int
-    of_threshold: float
-    """Largest |statistic| / threshold."""
-    sigmas: float
-    """Largest |statistic| in standard deviations."""
-
-    @classmethod
-    def of(cls, series: StatisticSeries, config: DetectionConfig) -> Margin:
-        """Margin of a series that is not empty."""
-        size = np.abs(series.value)
-        limit = series.threshold(config.false_alarm_probability)
-        return cls(
-            series.system,
-            series.prn,
-            float((size / limit).max()),
-            float((size / series.sigma).max()),
-        )
-
-
-def draw_margins(margins: Sequence[Margin], spoofed: Sequence[tuple[str, int]]) -> str:
-    """How close each tested satellite came to its threshold, as a dot plot."""
-
-    def draw(figure: Figure) -> None:
-        axes = figure.subplots()
-        for row, margin in enumerate(reversed(margins)):
-            peak = margin.of_threshold
-            hit = (margin.system, margin.prn) in spoofed
-            colour = style.ALARM if hit else "#00755a"
-            axes.plot([1e-3, peak], [row, row], color=colour, linewidth=2, alpha=0.4)
-            axes.plot(peak, row, "D" if hit else "o", color=colour, markersize=8)
-            axes.annotate(
-                f"{peak:.2g}×", (peak, row), xytext=(9, 0), textcoords="offset points", va="center"
-            )
-        axes.axvline(1.0, color=style.INK, linewidth=1.2, linestyle=(0, (4, 2)))
-        axes.set_xscale("log")
-        axes.xaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
-        top = max((m.sigmas for m in margins), default=5.0) / 4
-        axes.set_xlim(0.01, max(10.0, 2 * top))
-        names = [satellite_name(m.system, m.prn) for m in reversed(margins)]
-        axes.set_yticks(range(len(margins)), names)
-        axes.set_ylim(-0.6, max(len(margins), 1) - 0.4)
-        axes.set_xlabel("Largest |statistic| / threshold (an alarm is beyond 1)")
-
-    return style.render(draw, 10.0, 1.0 + 0.32 * max(len(margins), 1))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -50,8 +50,8 @@ def draw_acquisition(acquisitions: Sequence[Acquisition]) -> str:
     return style.render(draw, 10.0, 3.3)
 
 
-def draw_cn0(log: TrackLog, spoofed: Sequence[tuple[str, int]]) -> str:
-    """C/N0 over time, one panel per signal; spoofed satellites in colour, others in grey."""
+def draw_cn0(log: TrackLog, verdicts: Mapping[tuple[str, int], str]) -> str:
+    """C/N0 over time, one panel per signal; red: spoofed, amber: suspect, grey: all others."""
     signals = list(dict.fromkeys(t.signal for t in log.signals))
 
     def draw(figure: Figure) -> None:
@@ -61,12 +61,11 @@ def draw_cn0(log: TrackLog, spoofed: Sequence[tuple[str, int]]) -> str:
             tracks = [t for t in log.signals if t.signal == signal]
             ends = []
             for track in tracks:
-                hit = (system_of(signal), track.prn) in spoofed
-                colour = style.colour(signal) if hit else style.MUTED
-                end = _cn0_line(axes, track, colour if hit else "#a9b2bb", hit)
+                colour = style.VERDICTS.get(verdicts.get((system_of(signal), track.prn), ""))
+                end = _cn0_line(axes, track, colour or "#a9b2bb", colour is not None)
                 if end is not None:
                     name = satellite_name(system_of(signal), track.prn)
-                    ends.append((end, name, colour))
+                    ends.append((end, name, colour or style.MUTED))
             names.append(ends)
             axes.set_title(signal)
             axes.set_xlabel("Time (s)")

@@ -22,6 +22,8 @@ MUTED = "#66727f"
 GRID = "#e4e8ec"
 ALARM = "#c0392b"
 TRUTH = "#111111"
+VERDICTS = {"spoofed": ALARM, "suspect": "#c98a00"}
+"""Of satellites that are not clean."""
 BAND_COLOURS = {
     "B1I": "#0072b2",
     "B1CP": "#e08214",

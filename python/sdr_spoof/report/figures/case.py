@@ -1,0 +1,48 @@
+"""What the overview draws of one satellite."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from sdr_spoof.records import SatelliteVerdict, SignalTrack, TrackLog
+from sdr_spoof.report.evidence import Evidence
+from sdr_spoof.report.figures.satellite import SAMPLED_EPOCHS
+from sdr_spoof.report.figures.truth import TruthMark
+from sdr_spoof.signals import signal_spec
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is drawn of one satellite."""
+
+    satellite: SatelliteVerdict
+    evidence: Evidence
+    log: TrackLog
+    tracks: tuple[SignalTrack, ...]
+    """Thinned, in memory."""
+    truth: TruthMark | None
+
+    @classmethod
+    def of(
+        cls,
+        satellite: SatelliteVerdict,
+        evidence: Evidence,
+        log: TrackLog,
+        truth: TruthMark | None,
+    ) -> Case:
+        """From the log, of whose long tracks every n-th epoch is taken."""
+        tracks = (t for t in log.signals if t.prn == satellite.prn)
+        mine = [t for t in tracks if signal_spec(t.signal).system == satellite.system]
+        sampled = tuple(t.sampled(SAMPLED_EPOCHS) for t in mine)
+        return cls(satellite, evidence, log, sampled, truth)
+
+    @property
+    def onset_s(self) -> float:
+        """Onset of the verdict; without an alarm the end."""
+        onset_s = self.satellite.onset_s
+        return onset_s if onset_s is not None else self.log.duration_s
+
+    @property
+    def alarm_s(self) -> float:
+        """First alarm."""
+        return min(a.alarm_s for a in self.satellite.alarms)
