@@ -66,16 +66,16 @@ def judge(
 ) -> SatelliteVerdict:
     """The rule of this module, for one satellite."""
     alarms = first_alarms(examined)
-    deciding = [a for a in alarms if evidence_of(a.detector) == "consistency"] or alarms
+    decisive = deciding(alarms)
     support_s, tests = _support(examined, config)
     if alarms:
-        verdict = SPOOFED if evidence_of(deciding[0].detector) == "consistency" else SUSPECT
-        onset_s = min(a.onset_s for a in deciding)
+        verdict = SPOOFED if evidence_of(decisive[0].detector) == "consistency" else SUSPECT
+        onset_s = min(a.onset_s for a in decisive)
         held = _held(log, system, prn)
         where = attribute(held, alarms, onset_s, config)
-        action, fallback = _action(verdict, where, held, deciding)
-        reason = _alarm_reason(deciding, alarms, where)
-        confidence = _confidence(deciding, examined)
+        action, fallback = _action(verdict, where, held, decisive)
+        reason = _alarm_reason(decisive, alarms, where)
+        confidence = _confidence(decisive, examined)
     else:
         onset_s, where, confidence, fallback = None, Attribution(None, None, ()), None, None
         verdict = CLEAN if examined and support_s >= config.min_tested_s else NO_SUPPORT
@@ -95,6 +95,11 @@ def judge(
         action=action,
         fallback=fallback,
     )
+
+
+def deciding(alarms: Sequence[Alarm]) -> tuple[Alarm, ...]:
+    """Those that a verdict rests on: of consistency, or all where there is none."""
+    return tuple(a for a in alarms if evidence_of(a.detector) == "consistency") or tuple(alarms)
 
 
 def evidence_of(detector: str) -> str:

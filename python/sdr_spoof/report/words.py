@@ -5,7 +5,7 @@ from __future__ import annotations
 from sdr_spoof import _core, detectors, signals
 from sdr_spoof.detectors import power
 from sdr_spoof.detectors.series import LOG10_P_FLOOR
-from sdr_spoof.fusion import evidence_of
+from sdr_spoof.fusion import deciding, evidence_of
 from sdr_spoof.records import Alarm, SatelliteVerdict, Verdict
 from sdr_spoof.verdict import CLEAN, NO_SUPPORT, SPOOFED, SUSPECT
 
@@ -66,11 +66,13 @@ def alarms_sentence(satellite: SatelliteVerdict) -> str:
     """The first alarm with its number, and which other tests confirm it."""
     first = min(satellite.alarms, key=_order)
     parts = [f"{_test(first)}: {evidence(first)}"]
-    others = dict.fromkeys(
-        f"{_test(a)} ({a.alarm_s:.2f} s)" for a in sorted(satellite.alarms, key=_order)[1:]
-    )
+    others: dict[str, float] = {}
+    for alarm in sorted(satellite.alarms, key=_order):
+        if alarm.detector != first.detector:
+            others.setdefault(detectors.find(alarm.detector).title, alarm.alarm_s)
     if others:
-        parts.append(f"then {', '.join(others)}")
+        confirmed = ", ".join(f"{title} ({at_s:.2f} s)" for title, at_s in others.items())
+        parts.append(f"alarms of other tests: {confirmed}")
     return "; ".join(parts)
 
 
@@ -125,8 +127,7 @@ def figure_note(alarm: Alarm) -> str:
 
 def sureness(satellite: SatelliteVerdict) -> str:
     """How sure the verdict is, as the probability that noise raised its clearest alarm."""
-    deciding = [a for a in satellite.alarms if evidence_of(a.detector) == "consistency"]
-    alarm = min(deciding or satellite.alarms, key=lambda a: a.log10_p)
+    alarm = min(deciding(satellite.alarms), key=lambda a: a.log10_p)
     if alarm.log10_p <= LOG10_P_FLOOR:
         return f"noise alone does this in fewer than 1 of {_power_of_ten(-LOG10_P_FLOOR)} tests"
     return f"noise alone does this in about 1 of {_power_of_ten(-alarm.log10_p)} tests"

@@ -31,7 +31,8 @@ def draw(axes: Axes, case: Case) -> None:
             axes.barh(
                 row, stop_s - start_s, 0.72, start_s, color=colour, alpha=SHADES[kind], linewidth=0
             )
-            if stop_s - start_s > LEAST_PART * duration_s and stop_s <= case.alarm_s:
+            named_until_s = min(stop_s, case.onset_s)
+            if named_until_s - start_s > LEAST_PART * duration_s:
                 axes.text(start_s, row, f" {NAMES[kind]}", **_INSIDE)
         _advice(axes, case, track, row)
     axes.set_yticks(range(len(case.tracks)), [signal_spec(t.signal).composite for t in case.tracks])
@@ -54,9 +55,9 @@ def _advice(axes: Axes, case: Case, track: SignalTrack, row: int) -> None:
     satellite = case.satellite
     text = ""
     if track.signal == satellite.band:
-        text = "captured: do not use"
+        text = "verdict: captured, do not use it"
     elif track.signal == satellite.fallback:
-        text = "fall back to this band alone"
+        text = "verdict: fall back to this band alone"
     if not text or satellite.verdict != "spoofed":
         return
     width_s = case.log.duration_s - case.alarm_s
