@@ -219,7 +219,13 @@ def _legend(figure: Figure | SubFigure, case: Case) -> None:
     for _, text, dash in case.truth.lines() if case.truth is not None else ():
         entries.append((_sample(style.TRUTH, dash), text))
     handles, names = zip(*entries, strict=True)
-    figure.legend(handles, names, loc="outside upper center", ncols=4, handlelength=2.4)
+    figure.legend(
+        handles,
+        names,
+        loc="outside upper center",
+        ncols=5 if len(entries) <= 5 else 4,
+        handlelength=2.4,
+    )
 
 
 def _sample(colour: str, dash: Dash = SOLID) -> Line2D:
