@@ -1,11 +1,10 @@
 """Which sideband of a satellite was captured: all evidence in one probability.
 
-Each piece of evidence names a signal and is wrong with a probability that tests hold it to. Pieces
-of different physics are taken as independent, so that odds multiply:
+Each piece of evidence names a signal and is taken to be wrong with a stated probability, chosen on
+the safe side. Pieces of different physics are taken as independent, so that odds multiply:
 
 * carriers (wrong in 1 of 1000): the one that left its own course, after what the receiver's clock
-  explains, as all other satellites show it, has been taken off (
-  :mod:`.detectors.band_attribution`);
+  explains, as all other satellites show it, has been taken off (``detectors/band_attribution``);
 * code against carrier of one signal alone (1 of 100): a test of consistency that names its signal;
 * shape of one correlation peak alone (1 of 10): multipath does not choose the spoofed band;
 * power of one signal alone (1 of 5).

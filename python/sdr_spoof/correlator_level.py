@@ -18,13 +18,14 @@ from .records import ComboTrack, SignalTrack, TrackLog
 from .row_store import RowStore
 from .scenario import transmissions
 from .sources import RecordingFormat
-from .tracking import TrackingConfig, core_settings
+from .tracking import TrackingConfig, core_settings, watched
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
     from .isolation import Isolation
+    from .monitor import Monitor
     from .scenario import RecordingPlan, Scenario, Transmission
 
 _ROWS_S = 10.0
@@ -36,6 +37,7 @@ def simulate(
     config: TrackingConfig | None = None,
     *,
     isolations: Sequence[Isolation] = (),
+    monitor: Monitor | None = None,
     seed: int | None = None,
     threads: int = 1,
     rows_in: Path | None = None,
@@ -51,6 +53,7 @@ def simulate(
         scenario: what is on the air, and the sample rate, band and filter that the receiver has.
         config: loop settings.
         isolations: signals that are not to be trusted, and when.
+        monitor: asked at each whole second which signals are captured (``config.fallback``).
         seed: of noise and all random choices; replaces ``scenario.recording.seed``.
         threads: worker threads; the result does not depend on it.
         rows_in: folder for a temporary file that holds the rows, as in :func:`sdr_spoof.track`.
@@ -68,7 +71,8 @@ def simulate(
     plan = scenario.recording
     simulator = core_simulator(scenario, config or TrackingConfig(), threads)
     rows = RowStore(rows_in)
-    step = max(1, round(_ROWS_S * plan.sample_rate_hz))
+    config, rate = config or TrackingConfig(), plan.sample_rate_hz
+    step = max(1, round((_ROWS_S if monitor is None else 1.0) * rate))
     marks = isolation_marks(isolations, plan.sample_rate_hz)
     ends = {*range(step, plan.sample_count, step), *(at for at, _ in marks), plan.sample_count}
     for end in sorted(end for end in ends if end <= plan.sample_count):
@@ -77,6 +81,8 @@ def simulate(
             marks.pop(0)[1](simulator)
         rows.append(SignalTrack, simulator.take_signals())
         rows.append(ComboTrack, simulator.take_combos())
+        for isolation in watched(monitor, config, rows, rate, end) if end % step == 0 else ():
+            isolation.begin(simulator)
     return TrackLog(
         recording=scenario.title or "simulated",
         sample_rate_hz=plan.sample_rate_hz,

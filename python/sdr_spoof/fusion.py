@@ -1,13 +1,17 @@
 """From the alarms of all detectors to one verdict per satellite. The rule, in order:
 
 1. **spoofed**: a test of consistency has alarmed: things parted that only an attack parts.
-2. **suspect**: only tests of signal quality have alarmed. Multipath and interference change the
-   shape of a peak and power too, so they alone never mean spoofing.
+   Unless a reflection explains it: the phase difference has jumped but is not turning, neither
+   carrier alone left its course, no code moved, no power rose, and the peaks of *all* bands changed
+   shape within ``TOGETHER_S``: a spoofer in one band leaves the other's peak alone, one in all
+   bands needs power. Then it is
+2. **suspect**, as it is where only tests of signal quality have alarmed. Multipath and interference
+   change the shape of a peak and power too, so they alone never mean spoofing.
 3. **clean**: no alarm, and a test that could have said 'spoofed' covered ``min_tested_s``.
 4. **not enough support**: anything else.
 
-Alarms latch, so verdicts do. The onset is the earliest of the alarms that decide; a quality alarm
-together with one of consistency is evidence for the band, not for the time.
+Alarms latch, so verdicts do. The onset is the median of what the alarms say that date the event
+before the first deciding alarm.
 
 False alarms: ``false_alarm_probability`` is that of one test of a satellite by all detectors
 together. It is shared equally among the configured ones, and a detector with several series shares
@@ -20,16 +24,19 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from statistics import median_high
 
 import numpy as np
 
 from sdr_spoof import detectors
-from sdr_spoof.attribution import Attribution, attribute
-from sdr_spoof.detectors import DetectionConfig
+from sdr_spoof.attribution import Attribution, attribute, kind_of
+from sdr_spoof.detectors import DetectionConfig, phase_difference_glr
 from sdr_spoof.records import Alarm, SatelliteVerdict, SignalTrack, State, TrackLog
 from sdr_spoof.signals import signal_spec
 
+TOGETHER_S = 2.0
+"""What one reflection does to several tests is dated no further apart."""
 CLEAN, SUSPECT, SPOOFED, NO_SUPPORT = "clean", "suspect", "spoofed", "not enough support"
 
 
@@ -69,19 +76,23 @@ def judge(
     decisive = deciding(alarms)
     support_s, tests = _support(examined, config)
     if alarms:
-        verdict = SPOOFED if evidence_of(decisive[0].detector) == "consistency" else SUSPECT
-        onset_s = min(a.onset_s for a in decisive)
         held = _held(log, system, prn)
+        reflected = is_reflection(decisive, alarms, held)
+        strong = evidence_of(decisive[0].detector) == "consistency" and not reflected
+        verdict = SPOOFED if strong else SUSPECT
+        onset_s = fused_onset(decisive, alarms)
         where = attribute(held, alarms, onset_s, config)
         action, fallback = _action(verdict, where, held, decisive)
-        reason = _alarm_reason(decisive, alarms, where)
+        reason = _alarm_reason(decisive, alarms, where, onset_s)
+        if reflected:
+            reason += "; the peaks of all its bands changed with it: a reflection does this too"
         confidence = _confidence(decisive, examined)
     else:
         onset_s, where, confidence, fallback = None, Attribution(None, None, ()), None, None
         verdict = CLEAN if examined and support_s >= config.min_tested_s else NO_SUPPORT
         action = "use it" if verdict == CLEAN else "not judged"
         reason = _quiet_reason(log, system, prn, examined, (support_s, tests), config)
-    notes = "; ".join(_notes(log, examined))
+    notes = "; ".join(_notes(log, examined, verdict))
     return SatelliteVerdict(
         prn=prn,
         verdict=verdict,
@@ -108,12 +119,41 @@ def evidence_of(detector: str) -> str:
 
 
 def first_alarms(examined: Sequence[Examined]) -> tuple[Alarm, ...]:
-    """The first alarm of each detector, signal and quantity: it stays; consistency first."""
+    """The first alarm of each detector, signal and quantity: it stays.
+
+    Those of consistency come first, and among them those that name a band.
+    """
     found: dict[tuple[str, str | None, str], Alarm] = {}
     for e in examined:
         if e.alarm is not None:
             found.setdefault(e.of, e.alarm)
-    return tuple(sorted(found.values(), key=lambda a: evidence_of(a.detector) != "consistency"))
+
+    def rank(alarm: Alarm) -> tuple[bool, bool]:
+        return evidence_of(alarm.detector) != "consistency", alarm.band is None
+
+    return tuple(sorted(found.values(), key=rank))
+
+
+def fused_onset(deciding: Sequence[Alarm], alarms: Sequence[Alarm]) -> float:
+    """Median onset of all alarms that date the event before a deciding test first fired.
+
+    One estimate of a gentle beginning may be off by seconds; of an even number, the later counts.
+    """
+    first_s = min(a.alarm_s for a in deciding)
+    return median_high(a.onset_s for a in alarms if a.onset_s <= first_s)
+
+
+def is_reflection(deciding: Sequence[Alarm], alarms: Sequence[Alarm], held: Sequence[str]) -> bool:
+    """Whether multipath that came or went explains all alarms."""
+    if any(a.detector != phase_difference_glr.NAME or a.band is not None for a in deciding):
+        return False
+    if any(kind_of(a) == "power" for a in alarms):
+        return False
+    jump_s = min(a.onset_s for a in deciding)
+    bent = {
+        a.band for a in alarms if kind_of(a) == "shape" and abs(a.onset_s - jump_s) <= TOGETHER_S
+    }
+    return len(held) > 1 and bent >= set(held)
 
 
 def _support(examined: Sequence[Examined], config: DetectionConfig) -> tuple[float, int]:
@@ -149,9 +189,12 @@ def _action(
     return f"use {composite(clean[0])} alone", clean[0]
 
 
-def _alarm_reason(deciding: Sequence[Alarm], alarms: Sequence[Alarm], where: Attribution) -> str:
-    first = min(deciding, key=lambda a: a.alarm_s)
-    parts = [alarm_reason(first)]
+def _alarm_reason(
+    deciding: Sequence[Alarm], alarms: Sequence[Alarm], where: Attribution, onset_s: float
+) -> str:
+    first = deciding[0]
+    fused = replace(first, onset_s=onset_s, band=first.band or where.signal)
+    parts = [alarm_reason(fused)]
     others = list(dict.fromkeys(detectors.find(a.detector).title for a in alarms if a != first))
     if others:
         parts.append(f"also: {', '.join(others)}")
@@ -190,7 +233,7 @@ def _quiet_reason(
     tested_s, tests = support
     if tested_s >= config.min_tested_s and examined:
         return f"{tested_s:.1f} s tested in {tests} overlapping windows, none beyond the threshold"
-    if any(evidence_of(e.detector) == "consistency" for e in examined):
+    if any(e.signal is None for e in examined):
         return f"only {tested_s:.1f} s could be tested, {config.min_tested_s:g} s are needed"
     return _untested_reason(log, system, prn)
 
@@ -203,15 +246,24 @@ def _untested_reason(log: TrackLog, system: str, prn: int) -> str:
     return f"received on {names} only; the test compares two bands"
 
 
-def _notes(log: TrackLog, examined: Sequence[Examined]) -> Iterator[str]:
-    """What the detectors note of all sections of a satellite's track, each note once."""
+def _notes(log: TrackLog, examined: Sequence[Examined], verdict: str) -> Iterator[str]:
+    """What the detectors note of all sections of a satellite's track, each note once.
+
+    Where others judged, of those without support no more is said than that they had none.
+    """
     by_series: dict[tuple[str, str | None, str], list[Examined]] = defaultdict(list)
     for e in examined:
         by_series[e.of].append(e)
-    notes = (
-        note for (_, signal, _), es in by_series.items() for note in _of_series(log, signal, es)
-    )
+    idle: list[str] = []
+    notes: list[str] = []
+    for (detector, signal, _), es in by_series.items():
+        if verdict != NO_SUPPORT and not any(e.tests for e in es):
+            idle.append(detectors.find(detector).title)
+        else:
+            notes += _of_series(log, signal, es)
     yield from dict.fromkeys(notes)
+    if idle:
+        yield f"too little support for: {', '.join(dict.fromkeys(idle))}"
 
 
 def _of_series(log: TrackLog, signal: str | None, examined: Sequence[Examined]) -> Iterator[str]:

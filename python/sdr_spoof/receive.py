@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .acquisition import acquire
+from .monitor import Monitor
 from .tracking import track
 
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ def receive(
             recording,
             detected,
             config.tracking,
+            monitor=Monitor(config.detection),
             threads=threads,
             rows_in=rows_in,
             progress=progress,

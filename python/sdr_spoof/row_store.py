@@ -68,6 +68,11 @@ class RowStore:
         tracks = (_STORED[kind](growing) for growing in self._growing.get(kind, []))
         return tuple(t if self._folder else t.in_memory() for t in tracks)
 
+    def between(self, kind: type[Kind], start_s: float, stop_s: float) -> tuple[Kind, ...]:
+        """The rows of all tracks of a kind whose time lies in [start_s, stop_s], in memory."""
+        tracks = (_STORED[kind](growing) for growing in self._growing.get(kind, []))
+        return tuple(t.between(start_s, stop_s) for t in tracks)
+
     def write(self, block: bytes) -> int:
         """Append a block to the file; returns its place."""
         try:

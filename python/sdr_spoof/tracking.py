@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from .isolation import Isolation
+    from .monitor import Monitor
     from .progress import Progress
     from .sources import RecordingFormat
     from .sources.source import Source
@@ -86,6 +87,11 @@ class TrackingConfig(BaseModel):
         False, description="correlate the B1C data component too, with the pilot's oscillators"
     )
     reacquire: bool = Field(True, description="search for lost signals again, each second")
+    fallback: bool = Field(
+        True,
+        description="watch while tracking, each second, and go on with the clean signal alone "
+        "where the other one of a satellite was captured",
+    )
 
 
 def track(
@@ -94,6 +100,7 @@ def track(
     config: TrackingConfig | None = None,
     *,
     isolations: Sequence[Isolation] = (),
+    monitor: Monitor | None = None,
     threads: int | None = None,
     block_s: float | None = None,
     rows_in: Path | None = None,
@@ -107,6 +114,7 @@ def track(
             must hold at the same sample.
         config: loop settings.
         isolations: signals that are not to be trusted, and when.
+        monitor: asked at each whole second which signals are captured (``config.fallback``).
         threads: worker threads, all cores by default; the result does not depend on it.
         block_s: signal fed to the core at a time, 8 MB by default; the result does not depend on
             it.
@@ -140,6 +148,8 @@ def track(
         for begin, count in _blocks(recording, start, block_s, [at for at, _ in marks]):
             if begin > start and _is_whole_second(recording, begin):
                 _take_rows(tracker, rows)
+                for isolation in watched(monitor, config, rows, rate, begin):
+                    isolation.begin(tracker)
                 if config.reacquire:
                     _reacquire(tracker, recording, begin, threads)
             while marks and marks[0][0] <= begin:
@@ -158,6 +168,15 @@ def track(
         signals=rows.tracks(SignalTrack),
         combos=rows.tracks(ComboTrack),
     )
+
+
+def watched(
+    monitor: Monitor | None, config: TrackingConfig, rows: RowStore, rate: float, sample: int
+) -> Sequence[Isolation]:
+    """What the monitor says at a whole second."""
+    if monitor is None or not config.fallback:
+        return ()
+    return monitor.look(rows, rate, sample / rate)
 
 
 def _take_rows(tracker: _core.Tracker, rows: RowStore) -> None:
@@ -212,7 +231,7 @@ def _tracker(
 
 def core_settings(config: TrackingConfig, form: RecordingFormat) -> dict[str, Any]:
     """Settings as the core takes them, with what depends on the recorded band."""
-    values: dict[str, Any] = config.model_dump(exclude={"reacquire"})
+    values: dict[str, Any] = config.model_dump(exclude={"reacquire", "fallback"})
     if values["qmboc"] is None:
         values["qmboc"] = _holds_qmboc(form)
     return values

@@ -18,6 +18,11 @@ from sdr_spoof.records import Alarm, ComboTrack, TrackLog, Verdict
 __all__ = ["CLEAN", "NO_SUPPORT", "SPOOFED", "SUSPECT", "detect", "statistics"]
 
 
+LATER_S = (0.0, 0.5, 1.0, 2.0)
+"""How long after an alarm of a test with short windows the carriers are looked at, as long as they
+do not tell the band."""
+
+
 def detect(log: TrackLog, config: DetectionConfig | None = None) -> Verdict:
     """What the configured detectors say of every satellite in the log, and overall.
 
@@ -109,9 +114,15 @@ def _band(
     if track is None:
         return None
     start_s = decided.onset_s - config.attribution_fit_s
-    near = track.between(start_s, decided.alarm_s)
-    clock = common_clock(log, (series.system, series.prn), decided.onset_s, decided.alarm_s, config)
-    return disturbed_band(near, decided.onset_s, decided.alarm_s, config, clock)
+    # Short windows alarm before either carrier has left its own course by enough to be named.
+    later_s = LATER_S if series.shortest_s is not None else LATER_S[:1]
+    for stop_s in (decided.alarm_s + later for later in later_s):
+        near = track.between(start_s, stop_s)
+        clock = common_clock(log, (series.system, series.prn), decided.onset_s, stop_s, config)
+        band = disturbed_band(near, decided.onset_s, stop_s, config, clock)
+        if band is not None:
+            return band
+    return None
 
 
 def of_satellite(combo: ComboTrack, system: str, prn: int) -> bool:

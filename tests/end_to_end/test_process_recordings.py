@@ -30,7 +30,8 @@ def test_one_band_ends_without_a_verdict(
     assert not data["partial"]
     assert data["verdict"]["spoofed"] is False
     assert {s["verdict"] for s in data["verdict"]["satellites"]} == {"not enough support"}
-    reasons = {s["reason"] for s in data["verdict"]["satellites"]}
+    # Code against carrier could test one band, had it been longer.
+    reasons = {s["reason"].split("; longest")[0] for s in data["verdict"]["satellites"]}
     assert reasons == {
         f"received on {s} only; the test compares two bands" for s in ("B1C", "L1CA")
     }

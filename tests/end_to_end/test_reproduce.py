@@ -8,7 +8,7 @@ import pytest
 from commands import failing
 
 from sdr_spoof.cli import main
-from sdr_spoof.reproduce.combo import multipath, receiver_section
+from sdr_spoof.reproduce.combo import echo_section, multipath, receiver, receiver_section
 
 NUMBER = {
     "type": "object",
@@ -42,13 +42,19 @@ SCHEMA = {
 }
 
 
+def few_points(cn0_dbhz):
+    return [receiver.Point(cn0_dbhz, drag_hz, 1.5) for drag_hz in (1.0, 10.0)]
+
+
 @pytest.fixture
 def short(monkeypatch):
     """Parts that take seconds even with one run, shortened."""
     monkeypatch.setattr(multipath, "EPOCHS", 400)
     monkeypatch.setattr(receiver_section, "IF_QUICK_HZ", (1.0,))
-    monkeypatch.setattr(receiver_section, "CN0S_DBHZ", (30.0,))
-    monkeypatch.setattr(receiver_section, "SLOW_HZ", (1.0,))
+    monkeypatch.setattr(receiver_section, "CN0S_QUICK_DBHZ", (30.0,))
+    monkeypatch.setattr(receiver_section, "_points", few_points)
+    monkeypatch.setattr(echo_section, "AMPLITUDES", (0.5,))
+    monkeypatch.setattr(echo_section, "LEAST_SPOOFED", 1)
 
 
 def test_quick_reproduction(tmp_path, capsys, short):
@@ -58,7 +64,7 @@ def test_quick_reproduction(tmp_path, capsys, short):
     printed = json.loads(capsys.readouterr().out)
     jsonschema.validate(printed, SCHEMA)
     assert code == int(not printed["met"])
-    assert len(printed["tables"]["receiver_30_dbhz"]) == 20
+    assert len(printed["tables"]["receiver_30_dbhz"]) == 2
     assert sorted(p.name for p in folder.iterdir()) == sorted(printed["files"])
     saved = json.loads((folder / "combo.json").read_text())
     assert saved == {k: v for k, v in printed.items() if k != "output"}

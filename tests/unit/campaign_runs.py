@@ -62,12 +62,15 @@ def dice(point: Point, seed: int) -> Row:
     return {
         "C27.verdict": "spoofed" if alarmed else "clean",
         "C27.attack": "induced",
+        "C27.hostile": True,
         "C27.attack_start_s": 1.0,
         "C27.drag_start_s": 4.0,
         "C27.phase_difference_rate.alarmed": alarmed,
         "C27.phase_difference_rate.alarm_s": 4.0 + rng.random() if alarmed else None,
         "C27.phase_difference_rate.score": np.float64(rng.normal(1.0, 1.0) ** 2 + alarmed),
         "C19.verdict": "clean",
+        "C19.attack": "",
+        "C19.hostile": False,
         "C19.phase_difference_rate.alarmed": False,
         "C19.phase_difference_rate.score": float(rng.random()),
     }

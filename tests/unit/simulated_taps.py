@@ -68,18 +68,19 @@ def quality_track(
     taps = simulated_taps(modulation, np.sqrt(2 * 10 ** (cn0 / 10) * epoch_s), rng, rays)
     taps *= gain[:, None] * np.where(rng.random(time.size) < 0.5, -1, 1)[:, None]  # data
     zeros = np.zeros(time.size)
+    chip_rate = _core.signal_spec(signal)["chip_rate_hz"]
     return SignalTrack(
         signal=signal,
         prn=prn,
         modulation=modulation,
-        tap_offsets_s=offsets_chips(modulation) / _core.signal_spec(signal)["chip_rate_hz"],
+        tap_offsets_s=offsets_chips(modulation) / chip_rate,
         prompt_tap=2,
         time_s=time,
         integration_s=np.full(time.size, epoch_s),
         state=np.full(time.size, State.SYNCED, np.uint8),
         carrier_phase_cycles=zeros,
         doppler_hz=zeros,
-        code_phase_chips=zeros,
+        code_phase_chips=chip_rate * time + 0.003 * rng.standard_normal(time.size),
         phase_error_cycles=zeros,
         code_error_chips=zeros,
         cn0_dbhz=cn0.copy(),

@@ -27,7 +27,9 @@ def moved(log, seconds):
     def signal(track):
         carrier = F_LOWER_HZ if track.signal == "B1I" else F_UPPER_HZ
         phase = track.carrier_phase_cycles + carrier * seconds(track.time_s)
-        return dataclasses.replace(track, carrier_phase_cycles=phase)
+        chip_rate = 2.046e6 if track.signal == "B1I" else 1.023e6
+        code = track.code_phase_chips - chip_rate * seconds(track.time_s)
+        return dataclasses.replace(track, carrier_phase_cycles=phase, code_phase_chips=code)
 
     def combo(track):
         change = seconds(track.time_s)

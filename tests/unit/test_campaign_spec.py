@@ -7,9 +7,12 @@ from pathlib import Path
 import pytest
 from campaign_runs import SPEC, spec_file
 
+from sdr_spoof import campaign
 from sdr_spoof.campaign import plan_campaign
 from sdr_spoof.campaign.points import jobs, seed_of
 from sdr_spoof.errors import ConfigError
+
+EXAMPLES = Path(campaign.__file__).parent / "data"
 
 
 def test_axes_combine_as_a_product(tmp_path: Path) -> None:
@@ -143,3 +146,10 @@ def test_seeds_do_not_depend_on_the_other_values(tmp_path: Path) -> None:
     assert len(set(after.values())) == len(after) == 96
     assert before.items() <= after.items()
     assert not set(before.values()) & set(seeds(SPEC.replace("seed = 5", "seed = 6")).values())
+
+
+@pytest.mark.parametrize("name", ["drag", "coverage"])
+def test_the_examples_are_right(name: str) -> None:
+    plan = plan_campaign(EXAMPLES / f"{name}.toml")
+    assert len(plan.points) > 4
+    assert all(p.level == "correlator" for p in plan.points)

@@ -59,7 +59,12 @@ BOTH = pytest.mark.parametrize("tested", [of_difference, of_carrier])
 @BOTH
 def test_false_alarms_come_no_more_often_than_stated(tested):
     # Two hours at 60 an hour; the bound leaves about half of them (alarm_rate).
-    config = DetectionConfig(false_alarms_per_hour=60.0)
+    config = DetectionConfig(
+        false_alarms_per_hour=60.0,
+        code_wander_m=0.0,
+        code_difference_drift_m_s=0.0,
+        code_minus_carrier_drift_m_s=0.0,
+    )
     series = tested(config, duration_s=7200.0)
     at = series.time_s[np.abs(series.value) > series.threshold(LIMIT)]
     alarms = int(at.size > 0) + np.count_nonzero(np.diff(at) > 20.0)
@@ -76,7 +81,17 @@ def test_a_code_drag_with_a_steady_carrier_is_seen_within_fifteen_seconds(tested
 
 @BOTH
 def test_a_jump_of_the_code_is_seen(tested):
-    assert 40.0 < first_alarm_s(tested(extra_m=lambda t: 5.0 * (t > 40.0))) < 45.0
+    assert 40.0 < first_alarm_s(tested(extra_m=lambda t: 6.0 * (t > 40.0))) < 45.0
+
+
+@BOTH
+@pytest.mark.parametrize("period_s", [1.0, 7.0, 30.0, 120.0])
+def test_weak_multipath_that_moves_is_no_alarm(tested, period_s):
+    # Amplitude ratio 0.1 and 15 m of detour: up to 1.5 m either way on B1I.
+    moving = {"extra_m": lambda t: 1.5 * np.sin(2 * np.pi * t / period_s), "duration_s": 240.0}
+    assert first_alarm_s(tested(**moving)) is None
+    if period_s > 1.0:
+        assert first_alarm_s(tested(DetectionConfig(code_wander_m=0.0), **moving)) is not None
 
 
 def test_the_band_is_named_and_the_onset_dated():

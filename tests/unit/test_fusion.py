@@ -117,6 +117,34 @@ def test_clean_needs_a_test_that_could_have_said_spoofed():
     assert judged().verdict == "not enough support"
 
 
+BENT = [alarm("ratio_metric", band, onset_s=10.5) for band in ("B1I", "B1CP")]
+JUMP = alarm("phase_difference_glr")
+
+
+def reflected(*found):
+    return judged(*(examined(a, signal=a.band, quantity=a.quantity) for a in found)).verdict
+
+
+def test_a_reflection_that_comes_or_goes_is_a_suspicion():
+    assert reflected(JUMP, *BENT) == "suspect"
+    verdict = judged(*(examined(a, signal=a.band) for a in (JUMP, *BENT)))
+    assert "a reflection does this too" in verdict.reason
+
+
+def test_what_no_reflection_does_is_spoofing():
+    late = dataclasses.replace(BENT[1], onset_s=15.0)
+    for found in (
+        [JUMP],
+        [JUMP, BENT[0]],  # one band's peak alone
+        [JUMP, BENT[0], late],
+        [dataclasses.replace(JUMP, band="B1CP"), *BENT],  # one carrier alone
+        [JUMP, alarm(), *BENT],  # the difference turns
+        [JUMP, alarm("code_minus_carrier", "B1I"), *BENT],
+        [JUMP, *BENT, alarm("power", "B1I", quantity="C/N0")],
+    ):
+        assert reflected(*found) == "spoofed"
+
+
 def test_an_unnamed_band_means_drop_the_satellite():
     verdict = judged(examined(alarm()))
     assert (verdict.verdict, verdict.band, verdict.fallback) == ("spoofed", None, None)
@@ -157,6 +185,7 @@ def test_the_satellite_keeps_the_stated_false_alarm_probability():
         power_reference_s=2.0,
         power_wander_db=0.0,
         settle_s=0.0,
+        quality_settle_s=0.0,
     )
     tracks = [
         quality_track(duration_s=300.0, seed=8),

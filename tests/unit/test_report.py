@@ -48,7 +48,7 @@ def case():
     log = simulate_log(
         Satellite(23, attack=Attack(start_s=5.0, drag_hz=2.0)),
         Satellite(24),
-        single=[(Satellite(40), "B1CP")],
+        single=[(Satellite(40, cn0_dbhz=24.0), "B1CP")],
         duration_s=10.0,
     )
     found = [

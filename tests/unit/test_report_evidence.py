@@ -130,6 +130,8 @@ def test_stretches_of_tracking(log):
     assert kinds == [tracking_bar.ALONE, tracking_bar.JOINT, tracking_bar.ISOLATED]
     assert tracking_bar.fell_back(track, 5.0) == track.time_s[600]
     assert tracking_bar.fell_back(track, 6.5) is None
+    assert tracking_bar.isolated_s(track) == track.time_s[700]
+    assert tracking_bar.isolated_s(log.signals[0]) is None
 
 
 def test_words_of_a_satellite(verdict):
@@ -137,8 +139,8 @@ def test_words_of_a_satellite(verdict):
     first = min(a.alarm_s for a in deciding(satellite.alarms))
     assert f"alarm raised at {first:.2f} s" in words.alarms_sentence(satellite)
     assert words.action_sentence(satellite).startswith("use B1I alone (B1C (1575.42 MHz) is")
-    suspect = dataclasses.replace(satellite, verdict="suspect", alarms=satellite.alarms[-1:])
-    assert "multipath or a spoofer" in words.satellite_sentence(suspect)
+    suspect = dataclasses.replace(satellite, verdict="suspect", alarms=satellite.alarms[:1])
+    assert "as a reflection does too" in words.satellite_sentence(suspect)
     untold = dataclasses.replace(satellite, band=None, action="drop the satellite")
     assert "cannot be told" in words.satellite_sentence(untold)
     assert words.action_sentence(untold).startswith("drop the satellite: ")

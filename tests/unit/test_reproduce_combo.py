@@ -17,7 +17,6 @@ from sdr_spoof.reproduce.combo import (
     thresholds,
 )
 from sdr_spoof.reproduce.combo.tap_loops import B1C, B1I, EPOCH_S, Rays, WindowSlope, follow
-from sdr_spoof.reproduce.proportion import wilson
 from sdr_spoof.reproduce.study import Effort
 
 
@@ -37,16 +36,6 @@ def test_draws_depend_on_their_seed_alone():
     law = thresholds.law("as_ratio")
     hits = [thresholds.drawn_hits(law, 4.8, 1000, (1, 2)) for _ in range(2)]
     assert hits[0] == hits[1] != thresholds.drawn_hits(law, 4.8, 1000, (1, 3))
-
-
-def test_wilson_interval():
-    # Brown, Cai and DasGupta, Interval estimation for a binomial proportion, 2001: 95 % at 0 of n
-    # reaches z^2 / (n + z^2); symmetric in hits and misses.
-    low, high = wilson([0, 10], [10, 10])
-    assert high[0] == pytest.approx(1.959964**2 / (10 + 1.959964**2))
-    assert (low[0], high[1]) == (0.0, 1.0)
-    assert low[1] == pytest.approx(1 - high[0])
-    assert [float(v) for v in wilson(0, 0)] == pytest.approx([0.0, 1.0])
 
 
 def test_end_slopes_follow_the_beat_model():

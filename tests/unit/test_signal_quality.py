@@ -122,7 +122,7 @@ def test_joint_tracking_is_another_piece_for_delta_alone():
     (delta,), (ratio,) = series_of("delta_metric", track), series_of("ratio_metric", track)
     assert np.unique(delta.segment).size == 2
     assert np.unique(ratio.segment).size == 1
-    assert not np.any((delta.time_s > 8.0) & (delta.time_s < 8.0 + 0.5 + 2.0))
+    assert not np.any((delta.time_s > 8.0) & (delta.time_s < 8.0 + 2.0 + 2.0))
 
 
 @pytest.mark.parametrize("name", ALL)

@@ -1,14 +1,16 @@
-"""What a campaign says: detection and false alarms at each point, latency, ROC, coverage.
+"""What a campaign says: shares of alarms at each point, latency, ROC, coverage.
 
-A trial is one satellite in one run. It is detected if the alarm comes after the attacker went on
-the air; an alarm before that is an early one, and one on a satellite that nobody attacks a false
-one. Satellites that could not be tested count as not detected. Intervals are Wilson's.
+A trial is one satellite in one run. Of an attacked satellite the share of alarms is the
+probability of detection, of any other (nothing happens, or multipath) that of a false alarm. An
+alarm before the attack is on the air is an early one and finds nothing. Satellites that could not
+be tested count as not alarmed. Intervals are Wilson's.
 """
 
 from __future__ import annotations
 
 import csv
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +19,7 @@ from scipy.stats import norm
 from .trials import Trials
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator
     from pathlib import Path
 
     from numpy.typing import ArrayLike, NDArray
@@ -51,55 +53,35 @@ def wilson(
 
 
 def detection_table(table: Table, trials: Trials) -> Rows:
-    """Probability of detection and of false alarm at each point, by detector."""
-    rows: Rows = []
-    for values, here in _by_point(table, trials):
-        for detector, mine in _by_detector(here):
-            clean = mine.where(~mine.attacked)
-            rows.append(
-                {
-                    **values,
-                    "detector": detector,
-                    **_share("pd", int(mine.detected.sum()), int(mine.attacked.sum())),
-                    **_latency(mine),
-                    "early_count": int(mine.early.sum()),
-                    **_share("pfa", int(clean.alarmed.sum()), clean.point.size),
-                }
-            )
-    return rows
+    """Share of alarms at each point, by what happens to the satellite and by detector."""
+    return [
+        {**values, **_named(mine), **_share("alarm", mine.found), **_latency(mine)}
+        for values, here in _by_point(table, trials)
+        for mine in _parts(here)
+    ]
 
 
 def latency_table(table: Table, trials: Trials) -> Rows:
-    """Quantiles of the time to an alarm at each point, by detector, from either start."""
+    """Quantiles of the time from either start to an alarm at each point, by attack and detector."""
     rows: Rows = []
-    for values, here in _by_point(table, trials.where(trials.attacked)):
-        for detector, mine in _by_detector(here):
-            for start, latency in (
-                ("on air", mine.on_air_latency_s),
-                ("drag", mine.drag_latency_s),
-            ):
+    for values, here in _by_point(table, trials.where(trials.hostile)):
+        for mine in _parts(here):
+            times = {"on air": mine.on_air_latency_s, "drag": mine.drag_latency_s}
+            for start, latency in times.items():
                 known = latency[~np.isnan(latency)]
                 if known.size:
-                    quantiles = np.quantile(known, QUANTILES)
-                    named = {
-                        f"q{100 * q:02.0f}_s": float(v)
-                        for q, v in zip(QUANTILES, quantiles, strict=True)
-                    }
-                    row = {**values, "detector": detector, "from": start}
-                    rows.append({**row, "trials": mine.point.size, "detected": known.size, **named})
+                    count = {"from": start, "trials": latency.size, "found": known.size}
+                    rows.append({**values, **_named(mine), **count, **_quantiles(known)})
     return rows
 
 
 def coverage_table(table: Table, trials: Trials) -> Rows:
-    """Attacks, as the table's labels or their kinds name them, by detector."""
-    attacked = trials.where(trials.attacked)
-    names = attack_names(table, attacked)
-    rows: Rows = []
-    for name in dict.fromkeys(names.tolist()):
-        for detector, mine in _by_detector(attacked.where(names == name)):
-            share = _share("pd", int(mine.detected.sum()), mine.point.size)
-            rows.append({"attack": name, "detector": detector, **share, **_latency(mine)})
-    return rows
+    """Share of alarms by attack, as the table's labels or their kinds name it, and detector."""
+    struck = trials.where(trials.attack != "")
+    named = replace(struck, attack=attack_names(table, struck))
+    return [
+        {**_named(mine), **_share("alarm", mine.found), **_latency(mine)} for mine in _parts(named)
+    ]
 
 
 def attack_names(table: Table, trials: Trials) -> NDArray[np.str_]:
@@ -117,15 +99,15 @@ def roc_table(table: Table, trials: Trials) -> Rows:
     The share of attacked satellites whose largest statistic of the run is beyond the threshold,
     against that of satellites nobody attacks: of the same point, or of all where it has none.
     """
-    clean = trials.where(~trials.attacked)
+    clean = trials.where(~trials.hostile)
     rows: Rows = []
-    for values, here in _by_point(table, trials.where(trials.attacked)):
-        for detector, mine in _by_detector(here):
-            others = clean.where(clean.detector == detector)
+    for values, here in _by_point(table, trials.where(trials.hostile)):
+        for mine in _parts(here):
+            others = clean.where(clean.detector == mine.detector[0])
             at_point = others.where(others.point == mine.point[0])
             against = at_point if at_point.point.size else others
-            for row in _roc(_scores(mine), _scores(against)):
-                rows.append({**values, "detector": detector, **row})
+            curve = _roc(_scores(mine), _scores(against))
+            rows += [{**values, **_named(mine), **row} for row in curve]
     return rows
 
 
@@ -136,8 +118,7 @@ def _roc(attacked: NDArray[np.float64], clean: NDArray[np.float64]) -> Iterator[
     every = np.unique(np.concatenate([attacked, clean]))[::-1]
     step = -(-every.size // MOST_THRESHOLDS)
     for threshold in every[::step].tolist():
-        pd = _share("pd", int((attacked >= threshold).sum()), attacked.size)
-        pfa = _share("pfa", int((clean >= threshold).sum()), clean.size)
+        pd, pfa = _share("pd", attacked >= threshold), _share("pfa", clean >= threshold)
         yield {"threshold": threshold, **pd, **pfa}
 
 
@@ -175,26 +156,42 @@ def _by_point(table: Table, trials: Trials) -> Iterator[tuple[dict[str, Any], Tr
         yield {"point": point, **values}, trials.where(trials.point == point)
 
 
-def _by_detector(trials: Trials) -> Iterator[tuple[str, Trials]]:
-    for detector in dict.fromkeys(trials.detector.tolist()):
-        yield detector, trials.where(trials.detector == detector)
+def _parts(trials: Trials) -> Iterator[Trials]:
+    """The trials of each attack (first, so hostile ones, what is none, nothing) and detector."""
+    kinds = dict.fromkeys(zip(trials.attack.tolist(), trials.hostile.tolist(), strict=True))
+    for attack, hostile in sorted(kinds, key=lambda kind: (not kind[1], kind[0] == "")):
+        same = trials.where((trials.attack == attack) & (trials.hostile == hostile))
+        for detector in dict.fromkeys(same.detector.tolist()):
+            yield same.where(same.detector == detector)
 
 
-def _share(name: str, count: int, trials: int) -> dict[str, Any]:
+def _named(part: Trials) -> dict[str, Any]:
+    """What a part of the trials has in common: what happens to the satellite, and the detector."""
+    attack, hostile = str(part.attack[0]), bool(part.hostile[0])
+    return {"what": attack, "hostile": hostile, "detector": str(part.detector[0])}
+
+
+def _share(name: str, hits: NDArray[np.bool_]) -> dict[str, Any]:
     """A probability with its interval."""
+    count, trials = int(hits.sum()), hits.size
     low, high = wilson(count, trials)
-    share = count / trials if trials else float("nan")
-    counts = {f"{name}_trials": trials, f"{name}_count": count, name: share}
-    return {**counts, f"{name}_low": float(low), f"{name}_high": float(high)}
+    ends = {f"{name}_low": float(low), f"{name}_high": float(high)}
+    return {f"{name}_trials": trials, f"{name}_count": count, name: count / trials, **ends}
 
 
-def _latency(trials: Trials) -> dict[str, Any]:
+def _latency(part: Trials) -> dict[str, Any]:
     return {
-        "median_on_air_s": _median(trials.on_air_latency_s),
-        "median_drag_s": _median(trials.drag_latency_s),
+        "early_count": int(part.early.sum()),
+        "median_on_air_s": _median(part.on_air_latency_s),
+        "median_drag_s": _median(part.drag_latency_s),
     }
 
 
-def _median(values: Sequence[float] | NDArray[np.float64]) -> float:
-    known = np.asarray(values)[~np.isnan(values)]
+def _quantiles(values: NDArray[np.float64]) -> dict[str, float]:
+    names = (f"q{100 * q:02.0f}_s" for q in QUANTILES)
+    return dict(zip(names, np.quantile(values, QUANTILES).tolist(), strict=True))
+
+
+def _median(values: NDArray[np.float64]) -> float:
+    known = values[~np.isnan(values)]
     return float(np.median(known)) if known.size else float("nan")

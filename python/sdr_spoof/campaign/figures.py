@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
+from matplotlib.transforms import ScaledTranslation
 
 from sdr_spoof.report.figures.style import INK, MUTED, RC
 
@@ -29,61 +30,82 @@ COLOURS = (
 MARKERS = "osD^vP*X"
 MOST_LINES = len(COLOURS)
 """Lines of one panel; further ones are left out, and the title says so."""
+MOST_CURVES = 4
+"""ROC curves of one panel: more hide each other."""
 MOST_PANELS = 9
 _PANEL_IN = (4.6, 3.3)
+_BESIDE_IN = 0.05
+"""Points of neighbouring lines stand beside each other."""
 _BAND = 0.13
 """Opacity of an interval."""
 
 
 def detection_figure(path: Path, rows: Rows, axes_names: Sequence[str], title: str) -> bool:
-    """Draw Pd against the longest numeric axis, a panel per detector; False if there is none."""
-    rows = [row for row in rows if row["pd_trials"]]
+    """Draw Pd against the longest numeric axis, a panel per detector; False if there is none.
+
+    Without any attack it is the share of false alarms.
+    """
     along = longest_axis(rows, axes_names)
     if along is None:
         return False
     others = [name for name in axes_names if name != along]
+    kinds = {(row["point"], row["what"]) for row in rows if row["hostile"]}
+    if len(kinds) > len({point for point, _ in kinds}):
+        others.append("what")
+    hostile = [row for row in rows if row["hostile"]]
+    what = "probability of detection" if hostile else "share of alarms"
+    rows = hostile or rows
     panels = _grouped(rows, lambda row: str(row["detector"]))
 
     def draw(axes: Axes, name: str) -> None:
         lines = _grouped(panels[name], lambda row: _named(row, others))
-        for number, (label, line) in enumerate(list(lines.items())[:MOST_LINES]):
-            _line(axes, sorted(line, key=lambda row: row[along]), along, label, number)
+        _scale(axes, [row[along] for row in rows])
+        shown = list(lines.items())[:MOST_LINES]
+        for number, (label, line) in enumerate(shown):
+            beside = (number - (len(shown) - 1) / 2) * _BESIDE_IN
+            _line(axes, sorted(line, key=lambda row: row[along]), along, label, number, beside)
         more = len(lines) - MOST_LINES
         axes.set_title(_words(name) + (f" ({more} lines more in the table)" if more > 0 else ""))
-        _scale(axes, [row[along] for row in rows])
-        axes.set(xlabel=with_unit(along), ylabel="probability of detection", ylim=(-0.03, 1.05))
+        axes.set(xlabel=with_unit(along), ylabel=what, ylim=(-0.03, 1.05))
 
     _panels(path, list(panels), draw, title, legend=bool(others))
     return True
 
 
 def coverage_figure(path: Path, rows: Rows, title: str) -> bool:
-    """Draw the table attack x detector, with Pd and median latency in each cell."""
-    attacks = list(dict.fromkeys(row["attack"] for row in rows))
+    """Draw the table attack x detector, with share of alarms and median latency in each cell.
+
+    What is no attack is named in brackets: there an alarm is a false one.
+    """
+    rows = [row if row["hostile"] else {**row, "what": f"({row['what']})"} for row in rows]
+    attacks = list(dict.fromkeys(row["what"] for row in rows))
     detectors = list(dict.fromkeys(row["detector"] for row in rows))
     if not attacks:
         return False
-    cells = {(row["attack"], row["detector"]): row for row in rows}
+    cells = {(row["what"], row["detector"]): row for row in rows}
     shares = np.full((len(attacks), len(detectors)), np.nan)
     for (attack, detector), row in cells.items():
-        shares[attacks.index(attack), detectors.index(detector)] = row["pd"]
+        shares[attacks.index(attack), detectors.index(detector)] = row["alarm"]
     with rc_context(RC):  # type: ignore[arg-type]
         size = (2.6 + 1.35 * len(detectors), 1.7 + 0.62 * len(attacks))
         figure = Figure(figsize=size, layout="constrained")
         axes = figure.subplots()
         image = axes.imshow(shares, vmin=0, vmax=1, cmap="Blues", aspect="auto")
+        axes.set_xticks(np.arange(len(detectors) - 1) + 0.5, minor=True)
+        axes.set_yticks(np.arange(len(attacks) - 1) + 0.5, minor=True)
+        axes.grid(which="minor", color="white", linewidth=2)
         for (attack, detector), row in cells.items():
             place = (detectors.index(detector), attacks.index(attack))
             axes.annotate(
-                _cell(row), place, ha="center", va="center", fontsize=8.5, color=_ink(row["pd"])
+                _cell(row), place, ha="center", va="center", fontsize=8.5, color=_ink(row["alarm"])
             )
         axes.set_xticks(range(len(detectors)), [_words(d, "\n") for d in detectors])
         axes.set_yticks(range(len(attacks)), attacks)
-        axes.tick_params(length=0, labelcolor=INK)
-        axes.grid(visible=False)
+        axes.tick_params(which="both", length=0, labelcolor=INK)
+        axes.grid(visible=False, which="major")
         axes.spines[:].set_visible(False)
         figure.suptitle(title, fontsize=11, fontweight="bold")
-        bar = figure.colorbar(image, label="probability of detection", pad=0.02)
+        bar = figure.colorbar(image, label="share of alarms", pad=0.02)
         bar.outline.set_visible(False)
         _save(figure, path)
     return True
@@ -132,7 +154,7 @@ def roc_figure(path: Path, rows: Rows, axes_names: Sequence[str], title: str) ->
 
     def draw(axes: Axes, name: str) -> None:
         lines = _grouped(panels[name], lambda row: _named(row, axes_names))
-        chosen = _spread(list(lines.items()), MOST_LINES)
+        chosen = _spread(list(lines.items()), MOST_CURVES)
         for number, (label, line) in enumerate(chosen):
             pfa = [0.0, *(row["pfa"] for row in line)]
             pd = [0.0, *(row["pd"] for row in line)]
@@ -206,17 +228,17 @@ def _panels(
                 list(handles.values()),
                 list(handles),
                 loc="outside lower center",
-                ncols=min(len(handles), 2 * across),
+                ncols=max(1, min(len(handles), int(10 * width / (max(map(len, handles)) + 6)))),
             )
         figure.suptitle(title, fontsize=11, fontweight="bold")
         _save(figure, path)
 
 
-def _line(axes: Axes, rows: Rows, along: str, label: str, number: int) -> None:
+def _line(axes: Axes, rows: Rows, along: str, label: str, number: int, beside_in: float) -> None:
     """Pd along an axis with its intervals."""
     x = [row[along] for row in rows]
-    y = np.array([row["pd"] for row in rows])
-    low, high = (np.array([row[end] for row in rows]) for end in ("pd_low", "pd_high"))
+    y = np.array([row["alarm"] for row in rows])
+    low, high = (np.array([row[end] for row in rows]) for end in ("alarm_low", "alarm_high"))
     axes.errorbar(
         x,
         y,
@@ -227,6 +249,7 @@ def _line(axes: Axes, rows: Rows, along: str, label: str, number: int) -> None:
         capsize=2,
         elinewidth=0.9,
         label=label,
+        transform=axes.transData + ScaledTranslation(beside_in, 0, axes.figure.dpi_scale_trans),
     )
 
 
@@ -279,7 +302,7 @@ def _named(row: dict[str, Any], names: Sequence[str]) -> str:
 
 def _cell(row: dict[str, Any]) -> str:
     latency = row["median_on_air_s"]
-    share = f"{row['pd']:.3f}".rstrip("0").rstrip(".") if row["pd"] < 0.9995 else "1"
+    share = f"{row['alarm']:.3f}".rstrip("0").rstrip(".")
     return share if math.isnan(latency) else f"{share}\n{latency:.2g} s"
 
 
@@ -288,7 +311,8 @@ def _ink(share: float) -> str:
 
 
 def _words(name: str, space: str = " ") -> str:
-    return name.replace("_", space)
+    words = ["GLR" if word == "glr" else word for word in name.split("_")]
+    return space.join(words)
 
 
 def _save(figure: Figure, path: Path) -> None:

@@ -75,7 +75,7 @@ _Latencies = dict[str, dict[str, "NDArray[np.float64]"]]
 
 def _latencies(table: Table, every: Trials) -> tuple[_Latencies, _Latencies]:
     """Times from either start to the alarm, by attack and detector, NaN where not found."""
-    attacked = every.where(every.attacked)
+    attacked = every.where(every.hostile)
     names = analysis.attack_names(table, attacked)
     on_air: _Latencies = {}
     drag: _Latencies = {}

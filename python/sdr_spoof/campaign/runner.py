@@ -23,6 +23,7 @@ RunFunction = Callable[[Point, int], "dict[str, Value]"]
 """Of point and seed; must be importable by name, since workers are other processes."""
 
 LONGEST_ERROR = 300
+GONE = "the cluster is gone; runs that ended are kept: run the same command again to go on"
 DIED = "the worker process ended; it may have been out of memory"
 
 
@@ -97,14 +98,14 @@ def _result(future: Future[Record], job: Job) -> Record:
     except BrokenExecutor:
         raise
     except CancelledError as error:
-        raise SdrSpoofError("the cluster is gone; runs that ended are kept") from error
+        raise SdrSpoofError(GONE) from error
     except Exception as error:  # of a cluster: its worker died, or could not take the run
         return _failure(job, f"{type(error).__name__}: {error}")
 
 
 def _renewed(workers: Workers) -> Executor:
     if workers.renew is None:
-        raise SdrSpoofError("the cluster is gone; runs that ended are kept")
+        raise SdrSpoofError(GONE)
     return workers.renew()
 
 

@@ -20,6 +20,9 @@ ROOTS = ("scenario", "tracking", "detection")
 Span = Annotated[tuple[float, float, int], Field()]
 """First value, last value, number of values."""
 
+_TAKEN = ("point", "run", "seed", "error", "what", "hostile", "detector", "from")
+"""Columns of tables that no axis may have."""
+
 Level = Literal["correlator", "if"]
 
 
@@ -139,7 +142,7 @@ class CampaignSpec(BaseModel):
         twice = next((n for n in names if names.count(n) > 1), None)
         if twice is not None:
             raise ValueError(f"two [[sweep]] have the column '{twice}'; give one of them a name")
-        taken = next((n for n in names if n in ("point", "run", "seed", "error")), None)
+        taken = next((n for n in names if n in _TAKEN), None)
         if taken is not None:
             raise ValueError(f"[[sweep]]: the column '{taken}' is taken; give the axis a name")
         for group in {a.group for a in self.sweep if a.group is not None}:

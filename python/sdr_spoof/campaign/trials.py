@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from .table import Table
 
 VERDICT = "verdict"
-"""Stands for a detector: 'spoofed' is its alarm, at the first alarm of any detector."""
+"""Stands for a detector: 'spoofed' is its alarm, at the first that decided it."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,9 @@ class Trials:
     satellite: NDArray[np.str_]
     detector: NDArray[np.str_]
     attack: NDArray[np.str_]
-    """Kind of the attack on this satellite, empty for none."""
+    """What happens to this satellite: kind of attack, or 'multipath', empty for nothing."""
+    hostile: NDArray[np.bool_]
+    """Whether that is an attack, and an alarm right."""
     start_s: NDArray[np.float64]
     """On the air from here, NaN for no attack."""
     drag_s: NDArray[np.float64]
@@ -40,29 +42,24 @@ class Trials:
         return type(self)(**{f.name: getattr(self, f.name)[rows] for f in fields(self)})
 
     @property
-    def attacked(self) -> NDArray[np.bool_]:
-        """Whether there is something to find."""
-        return np.asarray(self.attack != "")
-
-    @property
     def early(self) -> NDArray[np.bool_]:
-        """Alarms before the attack: false ones, which latch."""
-        return np.asarray(self.attacked & self.alarmed & (self.alarm_s < self.start_s))
+        """Alarms before anything happened, which latch."""
+        return np.asarray(self.alarmed & (self.alarm_s < self.start_s))
 
     @property
-    def detected(self) -> NDArray[np.bool_]:
-        """Attacks that were found, not before they began."""
-        return np.asarray(self.attacked & self.alarmed & ~self.early)
+    def found(self) -> NDArray[np.bool_]:
+        """Alarms that are not early."""
+        return np.asarray(self.alarmed & ~self.early)
 
     @property
     def on_air_latency_s(self) -> NDArray[np.float64]:
         """From the attacker's first signal to the alarm; NaN where it was not found."""
-        return np.where(self.detected, self.alarm_s - self.start_s, np.nan)
+        return np.where(self.found, self.alarm_s - self.start_s, np.nan)
 
     @property
     def drag_latency_s(self) -> NDArray[np.float64]:
         """From the start of the drag to the alarm, negative where the alarm came before it."""
-        return np.where(self.detected, self.alarm_s - self.drag_s, np.nan)
+        return np.where(self.found, self.alarm_s - self.drag_s, np.nan)
 
 
 def trials(table: Table) -> Trials:
@@ -88,13 +85,10 @@ def _of_detector(table: Table, satellite: str, detector: str) -> dict[str, NDArr
 
 def _of_verdict(table: Table, satellite: str) -> dict[str, NDArray[Any]]:
     verdict = table[f"{satellite}.verdict"]
-    names = [n for n in _ending(table, "alarm_s") if n.startswith(f"{satellite}.")]
-    first = np.full(len(table), np.nan)
-    for name in names:
-        first = np.fmin(first, table[name])
+    alarm_s = _numbers(table, f"{satellite}.alarm_s")
     scores = np.full(len(table), np.nan)
     common = _common(table, satellite, VERDICT)
-    own = {"alarmed": verdict == "spoofed", "alarm_s": first, "score": scores}
+    own = {"alarmed": verdict == "spoofed", "alarm_s": alarm_s, "score": scores}
     return {name: values[verdict != ""] for name, values in (common | own).items()}
 
 
@@ -105,6 +99,7 @@ def _common(table: Table, satellite: str, detector: str) -> dict[str, NDArray[An
         "satellite": np.full(len(table), satellite),
         "detector": np.full(len(table), detector),
         "attack": table[f"{satellite}.attack"],
+        "hostile": table[f"{satellite}.hostile"] == 1,
         "start_s": table[f"{satellite}.attack_start_s"],
         "drag_s": table[f"{satellite}.drag_start_s"],
     }

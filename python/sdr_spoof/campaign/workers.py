@@ -6,6 +6,7 @@ Both are a :class:`concurrent.futures.Executor`, and the runs are the same on ei
 from __future__ import annotations
 
 import contextlib
+import logging
 import multiprocessing
 import os
 import signal
@@ -123,6 +124,7 @@ def cluster(address: str) -> Iterator[Workers]:
         raise ConfigError(
             "--cluster needs the package distributed: pip install 'sdr-spoof[cluster]'"
         ) from error
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters comes as an error
     try:
         client = distributed.Client(address, timeout=CONNECT_S, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
@@ -141,7 +143,10 @@ def cluster(address: str) -> Iterator[Workers]:
 
 def _check_cluster(client: Any, address: str) -> int:
     """Number of threads of the workers, all of which have this version."""
-    there = client.run(_version)
+    try:
+        there = client.run(_version)
+    except OSError as error:
+        raise ConfigError(f"--cluster: the scheduler at {address} went away: {error}") from error
     if not there:
         raise ConfigError(f"--cluster: the scheduler at {address} has no workers; start some")
     wrong = {f"{worker} has {v or 'none'}" for worker, v in there.items() if v != _version()}

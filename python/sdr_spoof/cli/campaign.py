@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -105,30 +106,24 @@ def _listed(plan: Plan) -> Outcome:
 
 
 def _print_table(console: Console, plan: Plan, rows: list[dict[str, Any]]) -> None:
-    """Pd, Pfa and latency, one line per point and detector."""
+    """One line per point, attack and detector; without attacks, of the others."""
     axes = [name for name, _ in plan.points[0].values]
-    made = tables.table("Detection", *axes, "detector", "Pd", "95 %", "median", "Pfa", "95 %")
+    rows = [row for row in rows if row["hostile"]] or rows
+    names = (*axes, "what", "detector", "alarms", "95 %", "after the start")
+    made = tables.table("Alarms", *names, left=[*axes, "what", "detector"])
+    for column in made.columns:
+        column.no_wrap = True
     for row in rows[:_MOST_ROWS]:
+        latency = row["median_on_air_s"]
         made.add_row(
             *(_cell(row[name]) for name in axes),
-            row["detector"],
-            *_share(row, "pd"),
-            "" if row["median_on_air_s"] != row["median_on_air_s"] else _latency(row),
-            *_share(row, "pfa"),
+            *(row["what"] or "nothing", row["detector"], f"{row['alarm']:.3f}"),
+            f"{row['alarm_low']:.3f}-{row['alarm_high']:.3f}",
+            "" if math.isnan(latency) else f"{latency:.2f} s",
         )
     console.print(made)
     if len(rows) > _MOST_ROWS:
         console.print(f"{len(rows) - _MOST_ROWS} lines more in detection.csv", highlight=False)
-
-
-def _latency(row: dict[str, Any]) -> str:
-    return f"{row['median_on_air_s']:.2f} s"
-
-
-def _share(row: dict[str, Any], name: str) -> tuple[str, str]:
-    if not row[f"{name}_trials"]:
-        return "", ""
-    return f"{row[name]:.3f}", f"{row[f'{name}_low']:.3f}-{row[f'{name}_high']:.3f}"
 
 
 def _cell(value: Any) -> str:

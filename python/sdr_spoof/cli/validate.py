@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 STUDIES = {
     "acquisition": "acquisition.json",
     "tracking": "tracking_jitter.json",
+    "combo": "combo.json",
     "speed": "speed.json",
 }
 """Name of a study, and the file that it writes last."""
@@ -76,6 +77,11 @@ def _study(arguments: argparse.Namespace, folder: Path, progress: Any) -> dict[s
         from sdr_spoof.studies import speed  # noqa: PLC0415
 
         return speed.run(folder, repeats=max(3, round(25 * share)), progress=progress)
+    if arguments.study == "combo":
+        from sdr_spoof.studies import combo  # noqa: PLC0415
+
+        seeds = max(2, round(20 * share))
+        return combo.run(folder, seeds=seeds, threads=arguments.threads, progress=progress)
     from sdr_spoof.studies import tracking  # noqa: PLC0415
 
     duration_s = max(6.0, 30.0 * share)

@@ -32,11 +32,16 @@ def epochs_per_block(epoch_s: float) -> int:
 
 
 def plan_for(
-    epoch_s: float, windows_s: tuple[float, ...], reference_s: float, drift_m_s: float
+    epoch_s: float,
+    windows_s: tuple[float, ...],
+    reference_s: float,
+    drift_m_s: float,
+    config: DetectionConfig,
 ) -> Plan:
     """Windows, reference and groups in blocks."""
     step_s = epochs_per_block(epoch_s) * epoch_s
-    return Plan.of(step_s, windows_s, (LEAST_REFERENCE_S, reference_s), GROUP_S, drift_m_s)
+    reference = (LEAST_REFERENCE_S, reference_s)
+    return Plan.of(step_s, windows_s, reference, GROUP_S, drift_m_s, config.code_wander_m)
 
 
 def settle_rows(epoch_s: float, config: DetectionConfig) -> int:

@@ -72,6 +72,7 @@ def statistic(
         config.code_difference_windows_s,
         config.code_difference_reference_s,
         config.code_difference_drift_m_s,
+        config,
     )
     return jump_slope.series(
         rows,
@@ -81,6 +82,6 @@ def statistic(
         detector=NAME,
         system=_core.signal_spec(track.upper)["system"],
         prn=track.prn,
-        trace_unit="m",
+        trace_unit="code delay, upper minus lower band, m",
         notes=code_blocks.notes(rows, plan),
     )

@@ -9,8 +9,8 @@ the band is named, and satellites that are received in one band only are tested 
 Statistic and law: the generalised likelihood ratio of :mod:`.jump_slope` on means of blocks
 (:mod:`.code_blocks`), with level and noise measured over the reference before each window, and a
 threshold for a rate of false alarms per hour and satellite (:mod:`.alarm_rate`), which the signals
-of a satellite share. Multipath that stays is a constant; multipath that moves against the
-satellite's own signal is seen as what it is, a code that leaves its carrier.
+of a satellite share. Multipath that stays is a constant; weak multipath that moves is allowed for
+(``code_wander_m``); strong one is seen as what it is, a code that leaves its carrier.
 
 Cycle slips of the carrier are repaired where they can be told; one that cannot is 0.2 m at most.
 """
@@ -88,6 +88,7 @@ def statistic(
         config.code_minus_carrier_windows_s,
         config.code_minus_carrier_reference_s,
         config.code_minus_carrier_drift_m_s,
+        config,
     )
     return jump_slope.series(
         rows,
@@ -97,7 +98,7 @@ def statistic(
         detector=NAME,
         system=_system(track.signal),
         prn=track.prn,
-        trace_unit="m",
+        trace_unit="code minus carrier, m",
         notes=code_blocks.notes(rows, plan),
         signal=track.signal,
     )

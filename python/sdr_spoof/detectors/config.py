@@ -15,6 +15,9 @@ class DetectionConfig(BaseModel):
     detectors: tuple[str, ...] = Field(
         (
             "phase_difference_rate",
+            "phase_difference_glr",
+            "code_difference",
+            "code_minus_carrier",
             "delta_metric",
             "delta_metric_variance",
             "ratio_metric",
@@ -88,9 +91,15 @@ class DetectionConfig(BaseModel):
         description="Signal before a window from which level and noise are measured, in s.",
     )
     phase_difference_glr_drift_hz: float = Field(
-        1e-4,
+        5e-5,
         ge=0.0,
         description="Innocent drift of the phase difference (ionosphere, inter-band bias), in Hz.",
+    )
+    code_wander_m: float = Field(
+        3.0,
+        ge=0.0,
+        description="Width of the band within which multipath may move a code delay innocently, "
+        "in m.",
     )
     code_difference_windows_s: tuple[Annotated[float, Field(gt=0.0, le=300.0)], ...] = Field(
         (1.0, 2.0, 5.0, 10.0, 20.0),
@@ -138,9 +147,18 @@ class DetectionConfig(BaseModel):
         lt=1.0,
         description="A band is named from this probability on that it is the captured one.",
     )
+    monitor_lookback_s: float = Field(
+        16.0,
+        ge=5.0,
+        description="Signal that is looked at each second while tracking, in s; by the tests of "
+        "code each fourth second, and four times as much.",
+    )
     # Signal quality: delta_metric, ratio_metric and their variances.
     quality_window_s: float = Field(
         1.0, ge=0.1, le=60.0, description="Window of the signal-quality metrics, in s."
+    )
+    quality_settle_s: float = Field(
+        2.0, ge=0.0, description="Left out after each (re)lock while the code loop settles, in s."
     )
     quality_reference_s: float = Field(
         10.0,

@@ -42,6 +42,9 @@ from sdr_spoof.records import ComboTrack, TrackLog
 NAME = "phase_difference_glr"
 LEAST_REFERENCE_S = 2.0
 """Reference without which nothing is tested."""
+PHASE_KURTOSIS = 8.0 * (2.0 * np.pi) ** 2
+"""Excess kurtosis of one band's phase, by its variance in cycles^2: 4 / (C/N0 T), measured at 30 to
+35 dB-Hz. An arctangent's tails are heavier where the noise has shortened the phasor."""
 GROUP_S = 0.1
 """Signal in which the noise is measured about a line of its own."""
 
@@ -90,22 +93,25 @@ def statistic(
         detector=NAME,
         system=_core.signal_spec(track.upper)["system"],
         prn=track.prn,
-        trace_unit="cycles at the upper carrier",
+        trace_unit="scaled phase difference, cycles at the upper carrier",
         notes=_notes(difference, plan),
     )
 
 
 def _rows(track: ComboTrack, difference: Difference, config: DetectionConfig, first: int) -> Rows:
     upper, lower = ratio_hz(track.cn0_upper_dbhz), ratio_hz(track.cn0_lower_dbhz)
-    sigmas = [phase_sigma_cycles(cn0, difference.epoch_s) for cn0 in (upper, lower)]
+    of_upper, of_lower = (phase_sigma_cycles(c, difference.epoch_s) ** 2 for c in (upper, lower))
+    of_lower = difference.carrier_ratio**2 * of_lower
+    spread = of_upper + of_lower
     return Rows(
         end_s=track.time_s + difference.epoch_s / 2.0,
         middle_s=track.time_s,
         values=difference.cycles,
-        spread=sigmas[0] ** 2 + (difference.carrier_ratio * sigmas[1]) ** 2,
+        spread=spread,
         strong=np.minimum(upper, lower) >= 10.0 ** (config.min_cn0_dbhz / 10.0),
         pieces=difference.pieces,
         first=first,
+        kurtosis=PHASE_KURTOSIS * (of_upper**3 + of_lower**3) / spread**2,
     )
 
 

@@ -88,7 +88,12 @@ def statistics(
 ) -> Iterator[StatisticSeries]:
     """The metric of every signal, section by section; its mean, or its scatter."""
     window_s, reference_s = config.quality_window_s, config.quality_reference_s
-    lead_s = config.settle_s + window_s + reference_s + config.onset_lookback_s
+    lead_s = (
+        max(config.settle_s, config.quality_settle_s)
+        + window_s
+        + reference_s
+        + config.onset_lookback_s
+    )
     for track in log.signals:
         if track.tap_offsets_s.size < 3 or not track.epochs:
             continue
@@ -121,7 +126,7 @@ def per_epoch(
         & (track.noise_power > 0.0)
         & ~empty(track, config.min_cn0_dbhz - BELOW_DB)
     )
-    settle = round(config.settle_s / epoch_s)
+    settle = round(max(config.settle_s, config.quality_settle_s) / epoch_s)
     pieces = [
         slice(piece.start + settle, piece.stop)
         for piece in segments(track.time_s, usable)
@@ -212,7 +217,7 @@ def _series(
         detector=name,
         system=_core.signal_spec(track.signal)["system"],
         prn=track.prn,
-        unit="standard deviations" if scatter else "of the prompt",
+        unit="sigma" if scatter else "of the prompt",
         time_s=columns[0],
         value=columns[1],
         sigma=columns[2],

@@ -78,9 +78,10 @@ def repair_every_slip(
     """Takes all slips out, also those in bursts; also returns the number of places.
 
     A loop that slips at a low C/N0 lingers half-way, where its discriminator hops to and fro:
-    steps within ``FIT_ROWS`` are one slip. It is taken out if what is left of it is no jump, within
-    5 standard deviations: a slip stays a multiple of the quantum, an attack's jump or course is
-    another. The beat of an attack loses its flips, but goes on turning.
+    steps within ``FIT_ROWS`` are one slip. It is taken out if that leaves the phase nearer to a
+    line (rare noise looks like two hops) and without a jump, within 5 standard deviations: a slip
+    stays a multiple of the quantum, an attack's jump or course does not. The beat of an attack
+    loses its flips, but goes on turning.
     """
     repaired = phase_cycles.copy()
     if phase_cycles.size < 4:
@@ -98,7 +99,8 @@ def repair_every_slip(
         size = np.cumsum(quanta[start : stop - 1]) * quantum_cycles
         tried = repaired[start:stop] - np.concatenate(([0.0], size))
         left, left_sigma = _jump_between(tried, group[0] - start, group[-1] - start, sigma_cycles)
-        if abs(left) < 5.0 * left_sigma:
+        straighter = _about_line(tried) < _about_line(repaired[start:stop])
+        if straighter and abs(left) < 5.0 * left_sigma:
             repaired[start:stop] = tried
             repaired[stop:] -= size[-1]
             count += 1
@@ -115,3 +117,10 @@ def _jump_between(
     pseudo_inverse = np.linalg.pinv(design)
     jump = float(pseudo_inverse[2] @ (phase_cycles - phase_cycles[0])[outside])
     return jump, sigma_cycles * float(np.linalg.norm(pseudo_inverse[2]))
+
+
+def _about_line(phase_cycles: NDArray[np.float64]) -> float:
+    """Sum of squares about the best line."""
+    line, _ = np.linalg.qr(np.vander(np.arange(phase_cycles.size, dtype=np.float64), 2))
+    centred = phase_cycles - phase_cycles[0]
+    return float(centred @ centred - np.sum((centred @ line) ** 2))

@@ -56,6 +56,8 @@ def satellite_sentence(satellite: SatelliteVerdict) -> str:
 
 
 def _what(alarm: Alarm) -> str:
+    if evidence_of(alarm.detector) == "consistency":
+        return "its carriers parted, and its peaks changed with them, as a reflection does too"
     band = band_name(alarm.band)
     if alarm.detector == power.NAME:
         return f"{alarm.quantity} of its {band} signal rose; multipath or a spoofer"

@@ -54,6 +54,6 @@ def find_scenario(name: Path | str) -> Scenario:
         ConfigError: there is neither, or the file is wrong.
     """
     path = Path(name)
-    if path.suffix or path.parent != Path() or path.exists():
+    if path.suffix or path.parent != Path() or path.is_file():
         return load_scenario(path)
     return builtin_scenario(str(name))

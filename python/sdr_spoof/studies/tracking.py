@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from sdr_spoof.progress import Progress
-    from sdr_spoof.records import SignalTrack, TrackLog
+    from sdr_spoof.records import ComboTrack, SignalTrack, TrackLog
 
     Floats = NDArray[np.float64]
 
@@ -178,10 +178,10 @@ def _single(
 ) -> Iterator[Jitter]:
     for signal in ("B1I", "B1CP"):
         tracks = [t for t in log.signals if t.signal == signal]
-        kept = [_kept(t, State.SYNCED) for t in tracks]
+        kept = [kept_rows(t, State.SYNCED) for t in tracks]
         interval = config.integration_ms * 1e-3
-        phase = [_phase_error(plan, t, k) for t, k in zip(tracks, kept, strict=True)]
-        code = [_code_error(plan, t, k) for t, k in zip(tracks, kept, strict=True)]
+        phase = [phase_error(plan, t, k) for t, k in zip(tracks, kept, strict=True)]
+        code = [code_error(plan, t, k) for t, k in zip(tracks, kept, strict=True)]
         received_dbhz = cn0_dbhz + 10 * np.log10(received_share(tracks[0]))
         expected = phase_sigma(config.pll_bandwidth_hz, [received_dbhz], interval)
         pll, dll = config.pll_bandwidth_hz, config.dll_bandwidth_hz
@@ -202,10 +202,10 @@ def _combo(
             next(t for t in log.signals if (t.signal, t.prn) == (name, combo.prn))
             for name in (combo.lower, combo.upper)
         )
-        keep_lower, keep_upper = _kept(lower, State.COMBO), _kept(upper, State.COMBO)
+        keep_lower, keep_upper = kept_rows(lower, State.COMBO), kept_rows(upper, State.COMBO)
         rows = min(keep_lower.sum(), keep_upper.sum())
-        low = _phase_error(plan, lower, keep_lower)[-rows:]
-        up = _phase_error(plan, upper, keep_upper)[-rows:]
+        low = phase_error(plan, lower, keep_lower)[-rows:]
+        up = phase_error(plan, upper, keep_upper)[-rows:]
         main.append((up + low) / 2)
         sub.append((up - low) / 2)
     for name, errors, bandwidth in (
@@ -241,29 +241,30 @@ def code_sigma(
     return float(np.sqrt(2 * bandwidth_hz * (1 - correlation) / (cn0 * slope**2) * squaring))
 
 
-def _kept(track: SignalTrack, state: State) -> NDArray[np.bool_]:
+def kept_rows(track: SignalTrack | ComboTrack, state: State) -> NDArray[np.bool_]:
     """Rows of the state's last unbroken stretch, settled."""
     wrong = np.flatnonzero(track.state != state)
     start = track.time_s[wrong[-1]] if wrong.size else 0.0
     return np.asarray(track.time_s > max(SETTLED_S, start + 1.0))
 
 
-def _emitter(plan: Scenario, track: SignalTrack) -> _core.Emitter:
+def emitter_of(plan: Scenario, track: SignalTrack) -> _core.Emitter:
+    """What a scenario sends on a track's signal."""
     return next(
         t.emitter for t in transmissions(plan) if (t.signal, t.prn) == (track.signal, track.prn)
     )
 
 
-def _phase_error(plan: Scenario, track: SignalTrack, keep: NDArray[np.bool_]) -> Floats:
+def phase_error(plan: Scenario, track: SignalTrack, keep: NDArray[np.bool_]) -> Floats:
     """Oscillator minus true phase in cycles, half cycles removed."""
-    truth = -_emitter(plan, track).received_phase_cycles(track.time_s[keep])
+    truth = -emitter_of(plan, track).received_phase_cycles(track.time_s[keep])
     error = track.carrier_phase_cycles[keep] + track.phase_error_cycles[keep] - truth
     return np.asarray(error - np.round(2 * np.mean(error)) / 2)
 
 
-def _code_error(plan: Scenario, track: SignalTrack, keep: NDArray[np.bool_]) -> Floats:
+def code_error(plan: Scenario, track: SignalTrack, keep: NDArray[np.bool_]) -> Floats:
     """Replica minus true code phase in chips, whole code periods removed."""
-    truth = _emitter(plan, track).code_phase_chips(track.time_s[keep])
+    truth = emitter_of(plan, track).code_phase_chips(track.time_s[keep])
     error = track.code_phase_chips[keep] - track.code_error_chips[keep] - truth
     length = signal_spec(track.signal).code_length
     return np.asarray(error - np.round(np.mean(error) / length) * length)

@@ -5,15 +5,27 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from sdr_spoof.progress import Stages
+from sdr_spoof.reproduce.parallel import workers
 from sdr_spoof.reproduce.study import Effort, Section, Study
 
-from . import capture, errata, multipath_section, phase_jump, receiver_section, thresholds
+from . import (
+    capture,
+    echo_section,
+    errata,
+    multipath_section,
+    phase_jump,
+    receiver_section,
+    thresholds,
+)
 
 
 def sections(effort: Effort, stages: Stages) -> Sequence[Section]:
     """Every part of the study, in the order of the publication."""
-    parts = (thresholds, capture, phase_jump, receiver_section, multipath_section)
-    return [part.section(effort, stages) for part in parts]
+    model = [part.section(effort, stages) for part in (thresholds, capture, phase_jump)]
+    with workers(effort.threads) as executor:
+        receiver = receiver_section.section(effort, stages, executor)
+        echoes = echo_section.section(effort, stages, executor)
+    return [*model, receiver, multipath_section.section(effort, stages), echoes]
 
 
 STUDY = Study(

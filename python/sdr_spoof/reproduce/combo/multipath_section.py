@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sdr_spoof.campaign.analysis import wilson
 from sdr_spoof.report.figures import style
-from sdr_spoof.reproduce.proportion import wilson
 from sdr_spoof.reproduce.study import Number, Picture, Section, Table
 
 from .multipath import (
@@ -108,7 +108,7 @@ def _threshold_table(limits: dict[str, float]) -> Table:
     units = {METHODS[0]: "1", METHODS[1]: "1", METHODS[2]: "Hz"}
     rows: list[Sequence[Cell]] = [(name, value, units[name]) for name, value in limits.items()]
     rows.append((CALIBRATED, calibrated_hz(CN0_DBHZ), "Hz"))
-    title = f"Thresholds at which {DETECTION:.0%} of the spoofing runs are detected"
+    title = f"Thresholds at which {100 * DETECTION:g} % of the spoofing runs are detected"
     return Table("figure4_thresholds", title, ("method", "threshold", "unit"), rows)
 
 

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sdr_spoof.campaign.analysis import wilson
 from sdr_spoof.detectors import combo_model as model
 from sdr_spoof.report.figures import style
-from sdr_spoof.reproduce.proportion import wilson
 
 from . import published
 from .receiver import methods

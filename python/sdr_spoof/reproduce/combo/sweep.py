@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-import multiprocessing
-from concurrent.futures import Executor, ProcessPoolExecutor
-from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sdr_spoof.reproduce.proportion import wilson
+from sdr_spoof.campaign.analysis import wilson
+from sdr_spoof.reproduce import parallel
 
 from .receiver import Point, Run, methods, run
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-    from contextlib import AbstractContextManager
+    from collections.abc import Sequence
+    from concurrent.futures import Executor
 
     from sdr_spoof.progress import Progress
     from sdr_spoof.reproduce.study import Cell
 
 SEED = 20_181_000
-CHUNK = 8
-"""Runs handed to a worker at a time."""
 
 
 @dataclass(frozen=True)
@@ -58,9 +54,8 @@ class Result:
 
 
 def seed_of(point: Point, number: int) -> int:
-    """Seed of one run: of the point's values, not of its place in a sweep."""
-    values = [SEED, number, *(round(1000 * v) for v in (point.cn0_dbhz, point.drag_hz, point.eta))]
-    return int(np.random.SeedSequence(values).generate_state(1, np.uint64)[0] >> 1)
+    """Seed of one run at a point."""
+    return parallel.seed_of(SEED, (point.cn0_dbhz, point.drag_hz, point.eta), number)
 
 
 def measure(
@@ -71,24 +66,8 @@ def measure(
 ) -> list[Result]:
     """Run every point ``runs`` times; the results depend on neither executor nor order."""
     jobs = [(point, seed_of(point, k)) for point in points for k in range(runs)]
-    done: list[Run] = []
-    if executor is None:
-        found: Iterator[Run] = (run(*job) for job in jobs)
-    else:
-        found = executor.map(run, *zip(*jobs, strict=True), chunksize=min(CHUNK, runs))
-    for number, one in enumerate(found):
-        done.append(one)
-        if progress:
-            progress(number + 1, len(jobs))
+    done = parallel.repeat(run, jobs, executor, progress)
     return [Result(point, tuple(done[k * runs : (k + 1) * runs])) for k, point in enumerate(points)]
-
-
-def workers(threads: int) -> AbstractContextManager[Executor | None]:
-    """Processes that run for :func:`measure`; None for one thread, which needs no other."""
-    if threads == 1:
-        return nullcontext()
-    context = multiprocessing.get_context("spawn")
-    return ProcessPoolExecutor(threads, mp_context=context)
 
 
 def columns() -> list[str]:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sdr_spoof.campaign.analysis import wilson
 from sdr_spoof.detectors import combo_model as model
-from sdr_spoof.reproduce.proportion import Z_ACCEPTED, wilson
 from sdr_spoof.reproduce.study import Number, Picture, Section, Table, near
 
 from . import published
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 SEED = 20_180_001
+ACCEPTED = 0.99993666
+"""Confidence of four standard errors: that of the intervals in which the model must lie."""
 THRESHOLDS = {"as_ratio": 4.511, "as_dbhz": 0.680}
 """What each reading must give, in Hz."""
 
@@ -246,7 +248,7 @@ def _sweep_numbers(sweep: Sweep, laws: Sequence[Law], table: Table, draws: int) 
             what += {"as_ratio": "14.77 dB-Hz", "as_dbhz": "30 dB-Hz"}[of.reading]
             yield near(name, what, float(value), reference, 0.001)
             drawn = float(table.rows[row][4 + 5 * number] or 0.0)
-            low, high = wilson(round(drawn * draws), draws, Z_ACCEPTED)
+            low, high = wilson(round(drawn * draws), draws, ACCEPTED)
             # The model's value must lie in the interval of the draws.
             yield Number(
                 f"{name}_in_drawn_interval",

@@ -237,7 +237,7 @@ mod tests {
             data_delay_s: 0.007_3,
             ..Emitter::new(signal::find("B1I").unwrap(), 27, 45.0)
         };
-        let emission = Emission::new(b1i.clone()).unwrap();
+        let mut emission = Emission::new(b1i.clone()).unwrap();
         for period in -50..200 {
             let mean = (0..2046).map(|chip| f64::from(b1i.data_sign(period * 2046 + chip, 20)));
             let expected = mean.sum::<f64>() / 2046.0;

@@ -14,16 +14,15 @@ pub(super) struct CodeLags {
 impl CodeLags {
     /// Of a code cut into slices of so many chips.
     pub fn new(code: &[i8], chips_per_slice: usize) -> Self {
-        let n = code.len();
+        let (n, reach) = (code.len(), LAGS as usize);
+        // From LAGS chips before the period to as many after it.
+        let around: Vec<i8> = [&code[n - reach..], code, &code[..reach]].concat();
         let row = |first: usize| {
+            let here = &code[first..first + chips_per_slice];
             std::array::from_fn(|lag| {
-                let lag = n as i64 + lag as i64 - LAGS;
-                let product = |i: usize| {
-                    let other = code[(i + lag as usize) % n];
-                    i64::from(code[i]) * i64::from(other)
-                };
-                let sum: i64 = (first..first + chips_per_slice).map(product).sum();
-                sum as f64 / chips_per_slice as f64
+                let there = &around[first + lag..];
+                let products = here.iter().zip(there).map(|(a, b)| i32::from(a * b));
+                f64::from(products.sum::<i32>()) / chips_per_slice as f64
             })
         };
         let slices: Vec<[f64; WIDTH]> = (0..n).step_by(chips_per_slice).map(row).collect();

@@ -6,7 +6,7 @@
 //!    +-- rejoin -- single by alarm <--isolate-+
 //! ```
 
-use super::combo::{wiped, JointLoops};
+use super::combo::{wiped, JointLoops, ALIGNMENT_S};
 use super::config::TrackConfig;
 use super::epoch::{Epoch, Measured};
 use super::joint_code::JointCode;
@@ -21,7 +21,8 @@ const PAIRED_S: f64 = 0.4e-3;
 pub(super) const WAIT_S: f64 = 50e-6;
 /// Both sidebands must have run by themselves this long before they are joined, s.
 const SETTLED_S: f64 = 0.5;
-/// Joined loops whose sidebands disagree are parted.
+/// Joined loops whose sidebands disagree are parted: below this subcarrier lock, less two standard
+/// deviations of its noise.
 const PARTED: f64 = 0.4;
 
 /// One satellite.
@@ -185,8 +186,9 @@ impl Channel {
         let epochs = [lower, upper];
         let measured = [0, 1].map(|i| self.sidebands[i].measure(epochs[i]));
         self.record(epochs, measured);
+        let least = self.least_lock(upper.interval_s());
         let parted =
-            |j: &Joint| j.carrier.elapsed_s() > 0.2 && j.carrier.subcarrier_lock() < PARTED;
+            |j: &Joint| j.carrier.elapsed_s() > ALIGNMENT_S && j.carrier.subcarrier_lock() < least;
         if self.joint.as_ref().is_some_and(parted) {
             self.part();
         }
@@ -198,6 +200,14 @@ impl Channel {
             }
             self.join_if_settled(upper.interval_s());
         }
+    }
+
+    /// Subcarrier lock below which sidebands disagree, and not only by noise.
+    fn least_lock(&self, interval_s: f64) -> f64 {
+        let noise = |s: &Sideband| 10f64.powf(-0.1 * s.cn0_dbhz()) / interval_s;
+        let [a, b] = [0, 1].map(|i| noise(&self.sidebands[i]));
+        let variance = 0.5 * (a + b + a * b) * interval_s / ALIGNMENT_S;
+        (PARTED - 2.0 * variance.sqrt()).max(0.0)
     }
 
     fn join_if_settled(&mut self, interval_s: f64) {
@@ -259,15 +269,17 @@ impl Joint {
             let s = &sidebands[i];
             epochs[i].taps[s.taps.prompt] / s.amplitude(interval_s)
         });
-        let signed = [0, 1].map(|i| sidebands[i].signed);
-        let steering = self.carrier.update(wiped(prompts, signed), interval_s);
+        let noise = of(&|s, _| s.cn0.noise_power(interval_s) / s.amplitude(interval_s).powi(2));
+        let prompts = wiped(prompts, [0, 1].map(|i| sidebands[i].signed));
+        let steering = self.carrier.update(prompts, noise, interval_s);
         let errors_s = of(&|s, i| measured[i].code_error_chips / s.spec.chip_rate_hz);
         let rates = self
             .code
             .update(errors_s, of(&|s, _| s.code_variance_s2(interval_s)));
+        let locks = of(&|s, _| s.lock.phase());
         for (i, sideband) in sidebands.iter_mut().enumerate() {
             let code_rate = rates[i] * sideband.spec.chip_rate_hz;
-            sideband.close_joint(epochs[i], &steering, i, code_rate);
+            sideband.close_joint(epochs[i], &steering, i, code_rate, locks[1 - i]);
         }
     }
 }

@@ -64,7 +64,7 @@ impl Sideband {
 
     /// Closes an integration with the sideband's own loops.
     pub fn close_own(&mut self, epoch: &Epoch) {
-        self.judge(epoch);
+        self.judge(epoch, None);
         let measured = self.measure(epoch);
         let interval = epoch.interval_s();
         let prompt = epoch.taps[self.taps.prompt];
@@ -107,9 +107,18 @@ impl Sideband {
     }
 
     /// Closes an integration as the sideband `i` of a combo, whose loops chose the Doppler and,
-    /// in chips per second, the correction of the code.
-    pub fn close_joint(&mut self, epoch: &Epoch, steering: &Steering, i: usize, code_rate: f64) {
-        self.judge(epoch);
+    /// in chips per second, the correction of the code. `other_lock` is the other sideband's
+    /// phase-lock indicator: the joint loops hold both or none, and the mean of both is less noisy
+    /// than either. (Sidebands that do not agree are parted by the combo.)
+    pub fn close_joint(
+        &mut self,
+        epoch: &Epoch,
+        steering: &Steering,
+        i: usize,
+        code_rate: f64,
+        other_lock: f64,
+    ) {
+        self.judge(epoch, Some(other_lock));
         let measured = self.measure(epoch);
         // The own loop stands by, ready to take over without a jump.
         self.carrier.rate = steering.smooth_doppler_hz[i];
@@ -135,8 +144,9 @@ impl Sideband {
         }
     }
 
-    /// Updates C/N0 and lock indicators, and declares loss.
-    fn judge(&mut self, epoch: &Epoch) {
+    /// Updates C/N0 and lock indicators, and declares loss; with the phase-lock indicator of the
+    /// other sideband of a combo.
+    fn judge(&mut self, epoch: &Epoch, other_lock: Option<f64>) {
         let prompt = epoch.taps[self.taps.prompt];
         let interval = epoch.interval_s();
         self.cn0.add_prompt(prompt, interval);
@@ -149,8 +159,10 @@ impl Sideband {
             State::PullIn => self.pull_in_s > PULL_IN_S,
             State::Lost => false,
             _ => {
+                let own = self.lock.phase();
+                let phase_lock = other_lock.map_or(own, |other| 0.5 * (own + other));
                 self.in_state_s > GRACE_S
-                    && (self.lock.phase() < UNLOCKED
+                    && (phase_lock < UNLOCKED
                         || self.lock.presence() < ABSENT
                         || self.never_synchronises())
             }

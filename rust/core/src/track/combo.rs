@@ -19,6 +19,12 @@ use super::loop_filter::LoopFilter;
 use super::quality::RunningMean;
 use crate::C64;
 
+/// Memory of the subcarrier-lock indicator, s.
+pub const ALIGNMENT_S: f64 = 0.2;
+
+/// Power of a prompt, amplitude removed, that counts as none.
+const FADED: f64 = 0.02;
+
 /// The joint loops.
 #[derive(Debug, Clone)]
 pub struct JointLoops {
@@ -29,6 +35,8 @@ pub struct JointLoops {
     /// f_s / f_m.
     ratio: f64,
     alignment: RunningMean,
+    /// Of the prompts (lower, upper), noise removed.
+    powers: [RunningMean; 2],
 }
 
 /// What the joint loops ask of the two sidebands.
@@ -62,13 +70,19 @@ impl JointLoops {
                     .starting(half - ratio * mean(doppler_hz), 0.0)
             }),
             ratio,
-            alignment: RunningMean::new(0.2),
+            alignment: RunningMean::new(ALIGNMENT_S),
+            powers: [0, 1].map(|_| RunningMean::new(ALIGNMENT_S)),
         }
     }
 
-    /// Takes the prompts (lower, upper) of one epoch, amplitude and symbols removed.
-    pub fn update(&mut self, [lower, upper]: [C64; 2], interval_s: f64) -> Steering {
+    /// Takes the prompts (lower, upper) of one epoch, amplitude and symbols removed, and the mean
+    /// noise power in them.
+    pub fn update(&mut self, prompts: [C64; 2], noise: [f64; 2], interval_s: f64) -> Steering {
+        let [lower, upper] = prompts;
         self.alignment.add((upper * lower.conj()).re, interval_s);
+        for (i, power) in self.powers.iter_mut().enumerate() {
+            power.add(prompts[i].norm_sqr() - noise[i], interval_s);
+        }
         let main = self.main.update(discriminator::phase(upper + lower));
         let sub_error = discriminator::phase(upper + lower.conj());
         let sub = self.sub.as_mut().map_or(0.0, |s| s.update(sub_error));
@@ -84,9 +98,12 @@ impl JointLoops {
         }
     }
 
-    /// Mean of cos(2 dpsi) (times amplitude): 1 where the sidebands agree, 0 where they turn.
+    /// Mean of cos(2 dpsi), weighted by amplitude: 1 where the sidebands agree, 0 where they turn
+    /// or one of them is gone. The prompts' own power is what counts: estimates of amplitude come
+    /// late in a fade.
     pub fn subcarrier_lock(&self) -> f64 {
-        self.alignment.value()
+        let [lower, upper] = self.powers.each_ref().map(|p| p.value().max(FADED));
+        self.alignment.value() / (lower * upper).sqrt()
     }
 
     /// Seconds since the loops were joined.
@@ -138,7 +155,7 @@ mod tests {
         let (doppler_hz, still) = ([1000.0, 1010.0], [0.0, 0.0]);
         let mut loops = JointLoops::new(carriers_hz, [10.0, 5.0], INTERVAL_S, doppler_hz, still);
         for _ in 0..epochs {
-            let steering = loops.update(errors.map(turned), INTERVAL_S);
+            let steering = loops.update(errors.map(turned), [0.0; 2], INTERVAL_S);
             for i in 0..2 {
                 errors[i] -= (steering.doppler_hz[i] - doppler_hz[i]) * INTERVAL_S;
             }
@@ -165,7 +182,7 @@ mod tests {
         );
         let mut errors = [0.1, 0.06];
         for _ in 0..200 {
-            let steering = loops.update(errors.map(turned), INTERVAL_S);
+            let steering = loops.update(errors.map(turned), [0.0; 2], INTERVAL_S);
             assert_eq!(steering.doppler_hz[0], steering.doppler_hz[1]);
             errors = errors.map(|e| e - (steering.doppler_hz[0] - 1000.0) * INTERVAL_S);
         }
