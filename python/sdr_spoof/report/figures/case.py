@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from sdr_spoof.fusion import deciding
 from sdr_spoof.records import SatelliteVerdict, SignalTrack, TrackLog
 from sdr_spoof.report.evidence import Evidence
+from sdr_spoof.report.figures import style
 from sdr_spoof.report.figures.satellite import SAMPLED_EPOCHS
 from sdr_spoof.report.figures.truth import TruthMark
 from sdr_spoof.signals import signal_spec
@@ -47,6 +48,11 @@ class Case:
     def alarm_s(self) -> float:
         """First of the alarms that the verdict rests on."""
         return min(a.alarm_s for a in deciding(self.satellite.alarms))
+
+    @property
+    def colour(self) -> str:
+        """Colour of what was found."""
+        return style.VERDICTS.get(self.satellite.verdict, style.ALARM)
 
     @property
     def suspicion_s(self) -> float | None:

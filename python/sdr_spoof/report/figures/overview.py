@@ -197,8 +197,8 @@ def _noise(axes: Axes, case: Case) -> None:
 
 
 def _marks(axes: Axes, case: Case) -> None:
-    axes.axvline(case.onset_s, color=style.ALARM, linewidth=1.6)
-    axes.axvline(case.alarm_s, color=style.ALARM, linewidth=1.3, linestyle=DOTTED)
+    axes.axvline(case.onset_s, color=case.colour, linewidth=1.6)
+    axes.axvline(case.alarm_s, color=case.colour, linewidth=1.3, linestyle=DOTTED)
     if case.suspicion_s is not None:
         axes.axvline(case.suspicion_s, color=SUSPICION, linewidth=1.3, linestyle=DOTTED)
     for time_s, _, dash in case.truth.lines() if case.truth is not None else ():
@@ -211,8 +211,8 @@ def _legend(figure: Figure | SubFigure, case: Case) -> None:
     ]
     if case.satellite.alarms:
         entries += [
-            (_sample(style.ALARM), f"found: onset {case.onset_s:.2f} s"),
-            (_sample(style.ALARM, DOTTED), f"found: alarm {case.alarm_s:.2f} s"),
+            (_sample(case.colour), f"found: onset {case.onset_s:.2f} s"),
+            (_sample(case.colour, DOTTED), f"found: alarm {case.alarm_s:.2f} s"),
         ]
     if case.suspicion_s is not None:
         entries.append((_sample(SUSPICION, DOTTED), f"first suspicion {case.suspicion_s:.2f} s"))
