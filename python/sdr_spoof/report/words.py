@@ -110,7 +110,7 @@ def figure_title(alarm: Alarm) -> str:
     """Heading of the figure of an alarm."""
     who = satellite_name(alarm.system, alarm.prn)
     if alarm.detector.startswith("phase_difference"):
-        return f"{who}: the two carriers part"
+        return f"{who}: {detectors.find(alarm.detector).title}"
     of = f" of {band_name(alarm.band)}" if alarm.band else ""
     quantity = f" ({alarm.quantity})" if alarm.quantity else ""
     return f"{who}: {detectors.find(alarm.detector).title}{quantity}{of}"
