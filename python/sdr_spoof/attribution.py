@@ -23,6 +23,7 @@ import numpy as np
 from sdr_spoof import detectors
 from sdr_spoof.detectors import DetectionConfig, power
 from sdr_spoof.records import Alarm
+from sdr_spoof.signals import signal_spec
 
 WRONG = {"carriers": 1e-3, "code": 1e-2, "shape": 0.1, "power": 0.2}
 """Probability that a piece of evidence names the wrong signal."""
@@ -65,7 +66,7 @@ def attribute(
     likelihood = {s: float(np.exp(odds[s] - odds[best])) for s in signals}
     confidence = likelihood[best] / sum(likelihood.values())
     sure = confidence >= config.attribution_confidence
-    words = tuple(f"{kind}: {signal}" for kind, signal in found.items())
+    words = tuple(f"{kind}: {signal_spec(signal).composite}" for kind, signal in found.items())
     return Attribution(best if sure else None, confidence, words)
 
 

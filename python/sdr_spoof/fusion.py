@@ -73,20 +73,20 @@ def judge(
 ) -> SatelliteVerdict:
     """The rule of this module, for one satellite."""
     alarms = first_alarms(examined)
-    deciding = [a for a in alarms if evidence_of(a.detector) == "consistency"] or alarms
+    decisive = deciding(alarms)
     support_s, tests = _support(examined, config)
     if alarms:
         held = _held(log, system, prn)
-        reflected = is_reflection(deciding, alarms, held)
-        strong = evidence_of(deciding[0].detector) == "consistency" and not reflected
+        reflected = is_reflection(decisive, alarms, held)
+        strong = evidence_of(decisive[0].detector) == "consistency" and not reflected
         verdict = SPOOFED if strong else SUSPECT
-        onset_s = fused_onset(deciding, alarms)
+        onset_s = fused_onset(decisive, alarms)
         where = attribute(held, alarms, onset_s, config)
-        action, fallback = _action(verdict, where, held, deciding)
-        reason = _alarm_reason(deciding, alarms, where, onset_s)
+        action, fallback = _action(verdict, where, held, decisive)
+        reason = _alarm_reason(decisive, alarms, where, onset_s)
         if reflected:
             reason += "; the peaks of all its bands changed with it: a reflection does this too"
-        confidence = _confidence(deciding, examined)
+        confidence = _confidence(decisive, examined)
     else:
         onset_s, where, confidence, fallback = None, Attribution(None, None, ()), None, None
         verdict = CLEAN if examined and support_s >= config.min_tested_s else NO_SUPPORT
@@ -106,6 +106,11 @@ def judge(
         action=action,
         fallback=fallback,
     )
+
+
+def deciding(alarms: Sequence[Alarm]) -> tuple[Alarm, ...]:
+    """Those that a verdict rests on: of consistency, or all where there is none."""
+    return tuple(a for a in alarms if evidence_of(a.detector) == "consistency") or tuple(alarms)
 
 
 def evidence_of(detector: str) -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .errors import OutputError
+from .fusion import deciding
 from .progress import silent
 from .receive import receive
 from .report import TruthMark, write_report
@@ -209,7 +210,7 @@ def _truth_mark(attacks: list[dict[str, Any]]) -> TruthMark | None:
 def _compare(found: SatelliteVerdict, attacks: list[dict[str, Any]]) -> TruthComparison:
     mine = [a for a in attacks if (a["system"], a["prn"]) == (found.system, found.prn)]
     attack = mine[0] if mine else {}
-    alarm = min(found.alarms, key=lambda a: a.alarm_s, default=None)
+    alarm = min(deciding(found.alarms), key=lambda a: a.alarm_s, default=None)
     return TruthComparison(
         system=found.system,
         prn=found.prn,

@@ -64,8 +64,11 @@ def system_of(signal: str) -> str:
 
 def limits(config: DetectionConfig) -> str:
     """In words, what the configured detectors cannot see."""
-    chosen = [detectors.find(name) for name in config.detectors]
-    parts = [f"{d.title} cannot see: {d.blind_to}." for d in chosen]
+    titles: dict[str, list[str]] = defaultdict(list)
+    for name in dict.fromkeys(config.detectors):
+        detector = detectors.find(name)
+        titles[detector.blind_to].append(detector.title)
+    parts = [f"{'; '.join(names)} cannot see: {blind}." for blind, names in titles.items()]
     return " ".join(["'Clean' means that the tests found nothing.", *parts])
 
 

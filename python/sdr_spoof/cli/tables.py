@@ -106,10 +106,11 @@ def timeline(c: TruthComparison) -> str:
     course = f"{', '.join(steps[:-1])} and {steps[-1]}" if len(steps) > 1 else steps[0]
     if c.onset_s is None or c.alarm_s is None:
         return f"The spoofer {course}. It was not found."
-    late, alarm = c.onset_s - c.start_s, c.alarm_s - c.start_s
+    late_s, alarm_s = c.onset_s - c.start_s, c.alarm_s - c.start_s
+    side = "after" if late_s >= 0.0 else "before"
     return (
-        f"The spoofer {course}. Found: onset {c.onset_s:.2f} s, {late:.2f} s after it came on the "
-        f"air; alarm at {c.alarm_s:.2f} s, {alarm:.2f} s after."
+        f"The spoofer {course}. Found: onset estimated at {c.onset_s:.2f} s, {abs(late_s):.2f} s "
+        f"{side} it came on the air; alarm at {c.alarm_s:.2f} s, {alarm_s:.2f} s after."
     )
 
 

@@ -87,7 +87,7 @@ DETECTORS: dict[str, Detector] = {
         *(
             Detector(
                 name,
-                f"{metric} metric{which}",
+                f"{what_of}{metric} metric".capitalize(),
                 f"whether the {what} of each correlation peak {verb}",
                 "a spoofer that is far stronger than the satellite, or far from its peak; changes "
                 "slower than its reference; it cannot tell multipath from a spoofer",
@@ -95,12 +95,12 @@ DETECTORS: dict[str, Detector] = {
                 "quality",
             )
             for metric, what, module in (
-                ("Delta", "symmetry", delta_metric),
-                ("Ratio", "flatness", ratio_metric),
+                ("delta", "symmetry", delta_metric),
+                ("ratio", "flatness", ratio_metric),
             )
-            for name, which, verb, statistics in (
+            for name, what_of, verb, statistics in (
                 (module.NAME, "", "has changed", module.mean),
-                (module.SCATTER, ", moving variance", "has become restless", module.scatter),
+                (module.SCATTER, "moving variance of the ", "has become restless", module.scatter),
             )
         ),
         Detector(

@@ -32,6 +32,8 @@ MOST_DETAILS = 16
 """Satellites drawn in detail, worst news first; more would make the report slow and large."""
 MOST_OVERVIEWS = 3
 """Overviews at the top of the report; those of further satellites are in their details."""
+MOST_ALARMS = 2
+"""Alarms of a satellite with a figure of their own; the overview shows them all."""
 LIBRARIES = ("sdr-spoof", "numpy", "scipy", "matplotlib")
 
 
@@ -134,7 +136,7 @@ def _draw_tests(
         if series.time_s.size:
             key = series.system, series.prn
             drawn.book.satellites[key].take(series, shown, verdicts[key].alarms)
-            for alarm in verdicts[key].alarms if key in detailed else ():
+            for alarm in verdicts[key].alarms[:MOST_ALARMS] if key in detailed else ():
                 if series.raised(alarm) and series.covers(alarm.alarm_s):
                     drawn.alarms[alarm] = draw_difference(series, shown, alarm, _of(truth, *key))
         del series  # before the next one is made: they are large

@@ -20,6 +20,8 @@ COLOURS = {
 }
 MARKS = {SPOOFED: ("✖", "red"), SUSPECT: ("?", "yellow"), CLEAN: ("✔", "green")}
 
+CLEAN_MEANS = "'Clean' means that the tests found nothing; the report says what they cannot see."
+
 
 def print_verdict(
     verdict: Verdict, console: Console | None = None, config: DetectionConfig | None = None
@@ -39,7 +41,7 @@ def print_verdict(
     console.print(Panel(Group(*lines), title="Verdict", border_style=colour, padding=(1, 2)))
     if verdict.satellites:
         console.print(_table(verdict))
-    console.print(Text(verdict.limits, style="dim"))
+    console.print(Text(CLEAN_MEANS, style="dim"))
 
 
 def _table(verdict: Verdict) -> Table:

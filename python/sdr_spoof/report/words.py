@@ -5,7 +5,7 @@ from __future__ import annotations
 from sdr_spoof import _core, detectors, signals
 from sdr_spoof.detectors import power
 from sdr_spoof.detectors.series import LOG10_P_FLOOR
-from sdr_spoof.fusion import evidence_of
+from sdr_spoof.fusion import deciding, evidence_of
 from sdr_spoof.records import Alarm, SatelliteVerdict, Verdict
 from sdr_spoof.verdict import CLEAN, NO_SUPPORT, SPOOFED, SUSPECT
 
@@ -56,6 +56,8 @@ def satellite_sentence(satellite: SatelliteVerdict) -> str:
 
 
 def _what(alarm: Alarm) -> str:
+    if evidence_of(alarm.detector) == "consistency":
+        return "its carriers parted, and its peaks changed with them, as a reflection does too"
     band = band_name(alarm.band)
     if alarm.detector == power.NAME:
         return f"{alarm.quantity} of its {band} signal rose; multipath or a spoofer"
@@ -66,11 +68,13 @@ def alarms_sentence(satellite: SatelliteVerdict) -> str:
     """The first alarm with its number, and which other tests confirm it."""
     first = min(satellite.alarms, key=_order)
     parts = [f"{_test(first)}: {evidence(first)}"]
-    others = dict.fromkeys(
-        f"{_test(a)} ({a.alarm_s:.2f} s)" for a in sorted(satellite.alarms, key=_order)[1:]
-    )
+    others: dict[str, float] = {}
+    for alarm in sorted(satellite.alarms, key=_order):
+        if alarm.detector != first.detector:
+            others.setdefault(detectors.find(alarm.detector).title, alarm.alarm_s)
     if others:
-        parts.append(f"then {', '.join(others)}")
+        confirmed = ", ".join(f"{title} ({at_s:.2f} s)" for title, at_s in others.items())
+        parts.append(f"alarms of other tests: {confirmed}")
     return "; ".join(parts)
 
 
@@ -106,7 +110,7 @@ def figure_title(alarm: Alarm) -> str:
     """Heading of the figure of an alarm."""
     who = satellite_name(alarm.system, alarm.prn)
     if alarm.detector.startswith("phase_difference"):
-        return f"{who}: the two carriers part"
+        return f"{who}: {detectors.find(alarm.detector).title}"
     of = f" of {band_name(alarm.band)}" if alarm.band else ""
     quantity = f" ({alarm.quantity})" if alarm.quantity else ""
     return f"{who}: {detectors.find(alarm.detector).title}{quantity}{of}"
@@ -125,8 +129,7 @@ def figure_note(alarm: Alarm) -> str:
 
 def sureness(satellite: SatelliteVerdict) -> str:
     """How sure the verdict is, as the probability that noise raised its clearest alarm."""
-    deciding = [a for a in satellite.alarms if evidence_of(a.detector) == "consistency"]
-    alarm = min(deciding or satellite.alarms, key=lambda a: a.log10_p)
+    alarm = min(deciding(satellite.alarms), key=lambda a: a.log10_p)
     if alarm.log10_p <= LOG10_P_FLOOR:
         return f"noise alone does this in fewer than 1 of {_power_of_ten(-LOG10_P_FLOOR)} tests"
     return f"noise alone does this in about 1 of {_power_of_ten(-alarm.log10_p)} tests"

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from sdr_spoof.fusion import deciding
 from sdr_spoof.records import SatelliteVerdict, SignalTrack, TrackLog
 from sdr_spoof.report.evidence import Evidence
+from sdr_spoof.report.figures import style
 from sdr_spoof.report.figures.satellite import SAMPLED_EPOCHS
 from sdr_spoof.report.figures.truth import TruthMark
 from sdr_spoof.signals import signal_spec
@@ -44,5 +46,16 @@ class Case:
 
     @property
     def alarm_s(self) -> float:
-        """First alarm."""
-        return min(a.alarm_s for a in self.satellite.alarms)
+        """First of the alarms that the verdict rests on."""
+        return min(a.alarm_s for a in deciding(self.satellite.alarms))
+
+    @property
+    def colour(self) -> str:
+        """Colour of what was found."""
+        return style.VERDICTS.get(self.satellite.verdict, style.ALARM)
+
+    @property
+    def suspicion_s(self) -> float | None:
+        """First alarm, where it came before that."""
+        early = [a.alarm_s for a in self.satellite.alarms if a.alarm_s < self.alarm_s]
+        return min(early, default=None)

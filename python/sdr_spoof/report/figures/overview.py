@@ -20,6 +20,9 @@ from sdr_spoof.signals import signal_spec
 
 TEST_COLOURS = (style.INK, "#7b3294", "#00755a", "#8c6d1f", "#a6611a")
 """Of tests that compare the two signals, in the order of the configuration."""
+SUSPICION = style.VERDICTS["suspect"]
+LEAST_CYCLES = 0.1
+"""An axis of a phase difference reaches so far at least: what is noise must look like it."""
 INNER_CYCLES = 0.25
 """Up to here the axis of a phase difference far beyond it is linear, then logarithmic."""
 QUIET: dict[str, Any] = {"color": "#009e73", "alpha": 0.13, "linewidth": 0}
@@ -28,6 +31,7 @@ QUIET: dict[str, Any] = {"color": "#009e73", "alpha": 0.13, "linewidth": 0}
 Dash = tuple[int, tuple[int, ...]]
 SOLID: Dash = (0, ())
 DASHED: Dash = (0, (3, 1))
+DOTTED: Dash = (0, (2, 2))
 Panel = tuple[float, Callable[[Axes, Case], None]]
 
 
@@ -89,7 +93,9 @@ def _difference(axes: Axes, case: Case) -> None:
     axes.plot(*style.thinned(time_s, value - level), color=style.INK, linewidth=1.0)
     axes.set_ylabel("Phase difference\n(cycles)")
     size = np.abs(value[np.isfinite(value)] - level)
-    if size.size and size.max() > 8 * INNER_CYCLES:  # the first disturbance must be seen too
+    if size.max(initial=0.0) < LEAST_CYCLES:
+        axes.set_ylim(-LEAST_CYCLES, LEAST_CYCLES)
+    elif size.max() > 8 * INNER_CYCLES:  # the first disturbance must be seen too
         axes.set_yscale("symlog", linthresh=INNER_CYCLES, linscale=0.8)
         ticks = [t for t in (INNER_CYCLES, 1, 10, 100, 1000) if t < 1.2 * size.max()]
         low, high = np.nanmin(value - level), np.nanmax(value - level)
@@ -97,6 +103,17 @@ def _difference(axes: Axes, case: Case) -> None:
         axes.set_yticks([*signed, 0, *(t for t in ticks if t < 1.2 * high)])
         axes.yaxis.set_minor_locator(NullLocator())
         axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
+        note = f"logarithmic beyond ±{INNER_CYCLES:g}"
+        axes.text(
+            0.995,
+            0.96,
+            note,
+            transform=axes.transAxes,
+            fontsize=8,
+            color=style.MUTED,
+            ha="right",
+            va="top",
+        )
 
 
 def _consistency(axes: Axes, case: Case) -> None:
@@ -113,12 +130,21 @@ def _consistency(axes: Axes, case: Case) -> None:
         axes.plot(time_s, value, color=colour, linestyle=dash, linewidth=1.2, label=_name(line))
         peak = max(peak, float(np.nanmax(value, initial=0.0)))
     axes.set_yscale("symlog", linthresh=1.0, linscale=0.7)
-    axes.set_ylim(0, 1.6 * peak)
-    axes.set_yticks([0, *(t for t in (1, 10, 100, 1000) if t < 1.6 * peak)])
+    top = max(1.6 * peak, 2.0)
+    axes.set_ylim(0, top)
+    axes.set_yticks([0, *(t for t in (1, 10, 100, 1000) if t < top)])
     axes.yaxis.set_minor_locator(NullLocator())
     axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
     axes.set_ylabel("|Test| /\nthreshold")
-    axes.legend(loc="upper left", fontsize=8, ncols=2, handlelength=1.6)
+    axes.legend(
+        loc="lower left",
+        bbox_to_anchor=(0.0, 0.98),
+        borderaxespad=0.0,
+        fontsize=8,
+        ncols=max(compared + len(case.tracks), 1),
+        handlelength=1.6,
+        columnspacing=1.4,
+    )
 
 
 def _name(line: Line) -> str:
@@ -171,8 +197,10 @@ def _noise(axes: Axes, case: Case) -> None:
 
 
 def _marks(axes: Axes, case: Case) -> None:
-    axes.axvline(case.onset_s, color=style.ALARM, linewidth=1.6)
-    axes.axvline(case.alarm_s, color=style.ALARM, linewidth=1.3, linestyle=(0, (2, 2)))
+    axes.axvline(case.onset_s, color=case.colour, linewidth=1.6)
+    axes.axvline(case.alarm_s, color=case.colour, linewidth=1.3, linestyle=DOTTED)
+    if case.suspicion_s is not None:
+        axes.axvline(case.suspicion_s, color=SUSPICION, linewidth=1.3, linestyle=DOTTED)
     for time_s, _, dash in case.truth.lines() if case.truth is not None else ():
         axes.axvline(time_s, color=style.TRUTH, linewidth=1.1, linestyle=dash)
 
@@ -183,13 +211,21 @@ def _legend(figure: Figure | SubFigure, case: Case) -> None:
     ]
     if case.satellite.alarms:
         entries += [
-            (_sample(style.ALARM), f"found: onset {case.onset_s:.2f} s"),
-            (_sample(style.ALARM, (0, (2, 2))), f"found: alarm {case.alarm_s:.2f} s"),
+            (_sample(case.colour), f"found: onset {case.onset_s:.2f} s"),
+            (_sample(case.colour, DOTTED), f"found: alarm {case.alarm_s:.2f} s"),
         ]
+    if case.suspicion_s is not None:
+        entries.append((_sample(SUSPICION, DOTTED), f"first suspicion {case.suspicion_s:.2f} s"))
     for _, text, dash in case.truth.lines() if case.truth is not None else ():
         entries.append((_sample(style.TRUTH, dash), text))
     handles, names = zip(*entries, strict=True)
-    figure.legend(handles, names, loc="outside upper center", ncols=4, handlelength=2.4)
+    figure.legend(
+        handles,
+        names,
+        loc="outside upper center",
+        ncols=5 if len(entries) <= 5 else 4,
+        handlelength=2.4,
+    )
 
 
 def _sample(colour: str, dash: Dash = SOLID) -> Line2D:
@@ -199,9 +235,11 @@ def _sample(colour: str, dash: Dash = SOLID) -> Line2D:
 def _peaks(figure: SubFigure, case: Case, bands: int) -> None:
     last_s = max(a.alarm_s for a in case.satellite.alarms)
     parts = stretches(case.onset_s, last_s, case.log.duration_s)
-    axes = figure.subplots(1, len(parts) * bands, sharey=True, squeeze=False)[0]
+    axes = figure.subplots(1, len(parts) * bands, sharex=True, sharey=True, squeeze=False)[0]
     for number, track in enumerate(case.tracks):
         mine = axes[number * len(parts) : (number + 1) * len(parts)]
         draw_peaks(mine, track, parts, captured=track.signal == case.satellite.band)
+    reach = max(float(np.abs(axis.get_xlim()).max()) for axis in axes)
+    axes[0].set_xlim(-max(1.05 * reach, 0.55), max(1.05 * reach, 0.55))
     axes[0].set_ylabel("Correlation peak\n(before = 1)")
     figure.supxlabel("Tap delay (chips, positive = late); grey: before", fontsize=9)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import MultipleLocator
 from numpy.typing import NDArray
 
 from sdr_spoof.records import SignalTrack, State
@@ -83,6 +84,7 @@ def draw_peaks(
             axes.plot(found.offset_chips, found.height / scale, "o-", color=colour, markersize=4)
         else:
             axes.text(0.5, 0.5, "not held", ha="center", va="center", transform=axes.transAxes)
+        axes.xaxis.set_major_locator(MultipleLocator(0.5))
         axes.set_title(
             f"{name} {part.name}\n{part.start_s:.1f}–{part.stop_s:.1f} s",
             fontsize=8.5,

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
+from sdr_spoof.fusion import SPOOFED
 from sdr_spoof.records import SignalTrack, State
 from sdr_spoof.report.figures import style
 from sdr_spoof.report.figures.case import Case
@@ -23,57 +23,70 @@ LEAST_PART = 0.14
 
 
 def draw(axes: Axes, case: Case) -> None:
-    """A bar per signal; from the alarm on a line under it: captured, or use it alone."""
-    duration_s = case.log.duration_s
+    """A bar per signal, and in it what became of the band, or what the verdict says of it."""
     for row, track in enumerate(case.tracks):
         for kind, start_s, stop_s in stretches(track):
             colour = style.ALARM if kind == ISOLATED else style.colour(track.signal)
-            axes.barh(
-                row, stop_s - start_s, 0.72, start_s, color=colour, alpha=SHADES[kind], linewidth=0
-            )
-            if stop_s - start_s > LEAST_PART * duration_s and stop_s <= case.alarm_s:
-                axes.text(start_s, row, f" {NAMES[kind]}", **_INSIDE)
-        _advice(axes, case, track, row)
+            _bar(axes, row, (start_s, stop_s), colour, SHADES[kind])
+            named_until_s = min(stop_s, case.onset_s)
+            if named_until_s - start_s > LEAST_PART * case.log.duration_s:
+                _text(axes, row, start_s, NAMES[kind], on_pale=kind == ALONE)
+        if case.satellite.verdict == SPOOFED:
+            _fallback(axes, case, track, row)
     axes.set_yticks(range(len(case.tracks)), [signal_spec(t.signal).composite for t in case.tracks])
     axes.set_ylim(-0.6, len(case.tracks) - 0.4)
     axes.grid(visible=False)
     axes.set_ylabel("Tracked")
 
 
-_INSIDE: dict[str, Any] = {
-    "va": "center",
-    "ha": "left",
-    "fontsize": 8,
-    "color": "white",
-    "fontweight": "bold",
-}
+def _bar(axes: Axes, row: int, part_s: tuple[float, float], colour: str, alpha: float) -> None:
+    start_s, stop_s = part_s
+    axes.barh(row, stop_s - start_s, 0.72, start_s, color=colour, alpha=alpha, linewidth=0)
 
 
-def _advice(axes: Axes, case: Case, track: SignalTrack, row: int) -> None:
-    """What the verdict says of this signal from the alarm on."""
+def _text(axes: Axes, row: int, at_s: float, text: str, *, on_pale: bool) -> None:
+    axes.text(
+        at_s,
+        row,
+        f" {text}",
+        va="center",
+        fontsize=8,
+        fontweight="bold",
+        color=style.INK if on_pale else "white",
+        zorder=6,
+    )
+
+
+def _fallback(axes: Axes, case: Case, track: SignalTrack, row: int) -> None:
+    """Where tracking isolated a band, that; otherwise the verdict's advice from the alarm on."""
     satellite = case.satellite
-    text = ""
-    if track.signal == satellite.band:
-        text = "captured: do not use"
+    isolated = {t.signal: isolated_s(t) for t in case.tracks}
+    from_s = min((s for s in isolated.values() if s is not None), default=None)
+    if from_s is not None:
+        mine_s = isolated[track.signal]
+        text = f"isolated as captured at {mine_s:.2f} s" if mine_s else "fallback: goes on alone"
+        _text(axes, row, mine_s or from_s, text, on_pale=mine_s is None)
+    elif track.signal == satellite.band:
+        _bar(axes, row, (case.alarm_s, case.log.duration_s), style.ALARM, 1.0)
+        _text(axes, row, case.alarm_s, "verdict: captured, do not use it", on_pale=False)
     elif track.signal == satellite.fallback:
-        text = "fall back to this band alone"
-    if not text or satellite.verdict != "spoofed":
-        return
-    width_s = case.log.duration_s - case.alarm_s
-    if track.signal == satellite.band:
-        axes.barh(row, width_s, 0.72, case.alarm_s, color=style.ALARM, linewidth=0, zorder=3)
-    parted_s = fell_back(track, case.alarm_s)
-    if parted_s is not None:
-        axes.plot(parted_s, row, "|", color="white", markersize=14, markeredgewidth=2, zorder=5)
-        text += f" (loops parted at {parted_s:.2f} s)"
-    axes.text(case.alarm_s, row, f" {text}", zorder=6, **_INSIDE)
+        parted_s = fell_back(track, case.onset_s)
+        parted = f" (parted at {parted_s:.2f} s)" if parted_s is not None else ""
+        text = f"verdict: fall back to this band alone{parted}"
+        _text(axes, row, case.alarm_s, text, on_pale=parted_s is not None)
 
 
-def fell_back(track: SignalTrack, alarm_s: float) -> float | None:
-    """When, from the alarm on, the track first left the joint loops; None if it never did."""
+def isolated_s(track: SignalTrack) -> float | None:
+    """When the track was first marked as captured."""
+    marked = np.flatnonzero(track.state == State.CAPTURED)
+    return float(track.time_s[marked[0]]) if marked.size else None
+
+
+def fell_back(track: SignalTrack, onset_s: float) -> float | None:
+    """When, from the onset on, the track first left the joint loops; None if it never did."""
     joint = track.state == State.COMBO
     left = np.flatnonzero(joint[:-1] & ~joint[1:]) + 1
-    left = left[track.time_s[left] >= alarm_s]
+    left = left[track.time_s[left] >= onset_s]
     return float(track.time_s[left[0]]) if left.size else None
 
 
