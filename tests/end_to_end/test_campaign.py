@@ -84,7 +84,7 @@ def test_results(finished: Path, tmp_path: Path, capsys: pytest.CaptureFixture[s
     data = json.loads(printed.out)
     assert printed.err == ""
     assert (data["points"], data["runs"], data["found"], data["failed"]) == (2, 4, 4, 0)
-    assert {r["detector"] for r in data["coverage"]} == {"phase_difference_rate", "verdict"}
+    assert {"phase_difference_rate", "verdict"} <= {r["detector"] for r in data["coverage"]}
 
 
 @pytest.mark.parametrize("level", ["correlator", "if"])

@@ -8,14 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.stats import binomtest
 
 from sdr_spoof.campaign.analysis import (
     coverage_table,
     detection_table,
     latency_table,
     roc_table,
-    wilson,
     write_csv,
 )
 from sdr_spoof.campaign.figures import longest_axis, with_unit
@@ -35,6 +33,7 @@ def by_hand(**changes: Any) -> Table:
         "error": np.array(["", "", "", "", "", "", "", "E: no"]),
         "rate": np.repeat([0.5, 2.0], 4),
         "C27.verdict": np.array(["spoofed", "clean", "spoofed", "spoofed", *["spoofed"] * 3, ""]),
+        "C27.alarm_s": np.array([4.0, NAN, 2.5, 0.5, 3.5, 4.5, 5.5, NAN]),
         "C27.attack": np.array(["induced"] * 7 + [""]),
         "C27.hostile": np.array([1] * 7 + [-1], np.int8),
         "C27.attack_start_s": np.array([1.0] * 7 + [NAN]),
@@ -58,23 +57,6 @@ def by_hand(**changes: Any) -> Table:
 def row_of(rows: list[dict[str, Any]], **values: Any) -> dict[str, Any]:
     (row,) = [r for r in rows if all(r[name] == value for name, value in values.items())]
     return row
-
-
-def test_wilson_is_that_of_scipy() -> None:
-    for count, n in [(0, 10), (3, 10), (10, 10), (1, 500), (499, 500)]:
-        expected = binomtest(count, n).proportion_ci(0.95, method="wilson")
-        low, high = wilson(count, n)
-        assert (float(low), float(high)) == pytest.approx((expected.low, expected.high), abs=1e-12)
-    low, high = wilson([0, 0], [0, 5])
-    assert (low[0], high[0], low[1]) == (0.0, 1.0, 0.0)
-
-
-def test_wilson_covers_the_truth_as_often_as_it_says() -> None:
-    rng = np.random.default_rng(4)
-    counts = rng.binomial(50, 0.9, 4000)
-    low, high = wilson(counts, np.full(4000, 50))
-    share = float(np.mean((low <= 0.9) & (high >= 0.9)))
-    assert abs(share - 0.9703) < 4 * (0.97 * 0.03 / 4000) ** 0.5  # exactly, by the binomial law
 
 
 def test_detection() -> None:

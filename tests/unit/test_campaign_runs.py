@@ -96,7 +96,7 @@ def test_the_table(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("here")
 def test_only_some_columns_are_kept(tmp_path: Path) -> None:
-    plan = plan_campaign(spec_file(tmp_path, SPEC + '[output]\ncolumns = ["C27.*.alarm_s"]\n'))
+    plan = plan_campaign(spec_file(tmp_path, SPEC + '[output]\ncolumns = ["C27.*_rate.alarm_s"]\n'))
     names = list(run_campaign(plan, tmp_path / "out", function=dice).table.columns)
     assert names[:6] == ["point", "run", "seed", "error", "drag_rate_m_s", "cn0_dbhz"]
     assert [n for n in names[6:] if n.startswith("C27")] == [

@@ -14,7 +14,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.stats import norm
+
+from sdr_spoof.reproduce.proportion import wilson
 
 from .trials import Trials
 
@@ -22,34 +23,15 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import NDArray
 
     from .table import Table
 
-CONFIDENCE = 0.95
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 MOST_THRESHOLDS = 100
 """Points of a ROC curve."""
 
 Rows = list[dict[str, Any]]
-
-
-def wilson(
-    count: ArrayLike, trials: ArrayLike, confidence: float = CONFIDENCE
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Wilson's score interval of a probability; 0 to 1 where there are no trials.
-
-    Wilson, Probable inference, the law of succession, and statistical inference, JASA 22 (1927).
-    """
-    k, n = np.asarray(count, np.float64), np.asarray(trials, np.float64)
-    z = float(norm.isf((1.0 - confidence) / 2.0))
-    some = np.maximum(n, 1.0)
-    centre = (k + z**2 / 2.0) / (some + z**2)
-    half = z / (some + z**2) * np.sqrt(k * (some - k) / some + z**2 / 4.0)
-    # At the ends the interval reaches 0 and 1 exactly, which rounding must not spoil.
-    low = np.where(k > 0, np.clip(centre - half, 0.0, 1.0), 0.0)
-    high = np.where(k < n, np.clip(centre + half, 0.0, 1.0), 1.0)
-    return np.asarray(np.where(n > 0, low, 0.0)), np.asarray(np.where(n > 0, high, 1.0))
 
 
 def detection_table(table: Table, trials: Trials) -> Rows:

@@ -26,16 +26,20 @@ Value = float | bool | str | None
 
 OF_SATELLITE: dict[str, Kind] = {
     "verdict": "text",
+    "alarm_s": "number",
+    "onset_s": "number",
+    "band": "text",
+    "confidence": "number",
     "attack": "text",
     "hostile": "flag",
     "attack_start_s": "number",
     "capture_s": "number",
     "drag_start_s": "number",
 }
-"""Verdict; then the truth: kind of attack (empty: none), whether it is one or multipath, on the
-air from, power passed at, drag."""
+"""The fused verdict, with the first alarm that decides it; then the truth: kind of attack (empty:
+none), whether it is one or multipath, on the air from, power passed at, drag."""
 
-TRUTH = frozenset(OF_SATELLITE) - {"verdict"}
+TRUTH = frozenset({"attack", "hostile", "attack_start_s", "capture_s", "drag_start_s"})
 """Kept whatever is asked for: nothing can be said of the rest without it."""
 
 OF_SIGNAL: dict[str, Kind] = {"held_until_s": "number", "cn0_dbhz": "number"}

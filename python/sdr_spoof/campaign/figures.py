@@ -11,8 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation
 
 from sdr_spoof.report.figures.style import INK, MUTED, RC
-
-from .analysis import wilson
+from sdr_spoof.reproduce.proportion import wilson
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sdr_spoof.fusion import evidence_of, per_test
 from sdr_spoof.records import State
 from sdr_spoof.signals import satellite_name
 from sdr_spoof.verdict import detect, statistics, system_of
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from sdr_spoof.detectors import DetectionConfig
-    from sdr_spoof.records import TrackLog, Verdict
+    from sdr_spoof.records import SatelliteVerdict, TrackLog, Verdict
     from sdr_spoof.scenario import Scenario
 
     from .columns import Value
@@ -73,8 +74,9 @@ def _verdicts(verdict: Verdict) -> Row:
     row: Row = {}
     for satellite in verdict.satellites:
         name = satellite_name(satellite.system, satellite.prn)
-        row[f"{name}.verdict"] = satellite.verdict
-        for alarm in satellite.alarms:
+        row |= _prefix(name, _verdict(satellite))
+        # The last one written stays: the first alarm of each detector.
+        for alarm in sorted(satellite.alarms, key=lambda a: a.alarm_s, reverse=True):
             found: Row = {
                 "alarmed": True,
                 "alarm_s": alarm.alarm_s,
@@ -83,6 +85,17 @@ def _verdicts(verdict: Verdict) -> Row:
             }
             row |= _prefix(f"{name}.{alarm.detector}", found)
     return row
+
+
+def _verdict(satellite: SatelliteVerdict) -> Row:
+    consistent = [a for a in satellite.alarms if evidence_of(a.detector) == "consistency"]
+    return {
+        "verdict": satellite.verdict,
+        "alarm_s": _first(a.alarm_s for a in consistent or satellite.alarms),
+        "onset_s": satellite.onset_s,
+        "band": satellite.band or "",
+        "confidence": satellite.confidence,
+    }
 
 
 def _tracking(log: TrackLog) -> Row:
@@ -110,7 +123,7 @@ def _scores(log: TrackLog, config: DetectionConfig) -> tuple[dict[str, float], d
         times = tested_s.setdefault(key, {})
         times[which] = times.get(which, 0.0) + series.tested_s()
         if series.value.size:
-            threshold = series.threshold(config.false_alarm_probability)
+            threshold = series.threshold(per_test(config).false_alarm_probability)
             score = float(np.max(np.abs(series.value) / threshold))
             scores[key] = max(score, scores.get(key, 0.0))
     return scores, {key: max(times.values()) for key, times in tested_s.items()}

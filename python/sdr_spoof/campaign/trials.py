@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from .table import Table
 
 VERDICT = "verdict"
-"""Stands for a detector: 'spoofed' is its alarm, at the first alarm of any detector."""
+"""Stands for a detector: 'spoofed' is its alarm, at the first that decided it."""
 
 
 @dataclass(frozen=True)
@@ -85,13 +85,10 @@ def _of_detector(table: Table, satellite: str, detector: str) -> dict[str, NDArr
 
 def _of_verdict(table: Table, satellite: str) -> dict[str, NDArray[Any]]:
     verdict = table[f"{satellite}.verdict"]
-    names = [n for n in _ending(table, "alarm_s") if n.startswith(f"{satellite}.")]
-    first = np.full(len(table), np.nan)
-    for name in names:
-        first = np.fmin(first, table[name])
+    alarm_s = _numbers(table, f"{satellite}.alarm_s")
     scores = np.full(len(table), np.nan)
     common = _common(table, satellite, VERDICT)
-    own = {"alarmed": verdict == "spoofed", "alarm_s": first, "score": scores}
+    own = {"alarmed": verdict == "spoofed", "alarm_s": alarm_s, "score": scores}
     return {name: values[verdict != ""] for name, values in (common | own).items()}
 
 
