@@ -14,8 +14,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-
-from sdr_spoof.reproduce.proportion import wilson
+from scipy.stats import norm
 
 from .trials import Trials
 
@@ -23,15 +22,35 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from .table import Table
 
+CONFIDENCE = 0.95
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
+WITHIN_S = 2.0
 MOST_THRESHOLDS = 100
 """Points of a ROC curve."""
 
 Rows = list[dict[str, Any]]
+
+
+def wilson(
+    count: ArrayLike, trials: ArrayLike, confidence: float = CONFIDENCE
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Wilson's score interval of a probability; 0 to 1 where there are no trials.
+
+    Wilson, Probable inference, the law of succession, and statistical inference, JASA 22 (1927).
+    """
+    k, n = np.asarray(count, np.float64), np.asarray(trials, np.float64)
+    z = float(norm.isf((1.0 - confidence) / 2.0))
+    some = np.maximum(n, 1.0)
+    centre = (k + z**2 / 2.0) / (some + z**2)
+    half = z / (some + z**2) * np.sqrt(k * (some - k) / some + z**2 / 4.0)
+    # At the ends the interval reaches 0 and 1 exactly, which rounding must not spoil.
+    low = np.where(k > 0, np.clip(centre - half, 0.0, 1.0), 0.0)
+    high = np.where(k < n, np.clip(centre + half, 0.0, 1.0), 1.0)
+    return np.asarray(np.where(n > 0, low, 0.0)), np.asarray(np.where(n > 0, high, 1.0))
 
 
 def detection_table(table: Table, trials: Trials) -> Rows:
@@ -44,8 +63,12 @@ def detection_table(table: Table, trials: Trials) -> Rows:
 
 
 def latency_table(table: Table, trials: Trials) -> Rows:
-    """Quantiles of the time from either start to an alarm at each point, by attack and detector."""
+    """Alarms in time and quantiles of the time from either start, at each point, by attack.
+
+    Those before the start are not in time: of ``from`` drag, they are of the capture.
+    """
     rows: Rows = []
+    within_s = float(table.spec.get("output", {}).get("within_s", WITHIN_S))
     for values, here in _by_point(table, trials.where(trials.hostile)):
         for mine in _parts(here):
             times = {"on air": mine.on_air_latency_s, "drag": mine.drag_latency_s}
@@ -53,7 +76,10 @@ def latency_table(table: Table, trials: Trials) -> Rows:
                 known = latency[~np.isnan(latency)]
                 if known.size:
                     count = {"from": start, "trials": latency.size, "found": known.size}
-                    rows.append({**values, **_named(mine), **count, **_quantiles(known)})
+                    count |= {"before": int((known < 0.0).sum()), "within_s": within_s}
+                    in_time = _share("within", (latency >= 0.0) & (latency <= within_s))
+                    named = {**values, **_named(mine)}
+                    rows.append({**named, **count, **in_time, **_quantiles(known)})
     return rows
 
 

@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation
 
 from sdr_spoof.report.figures.style import INK, MUTED, RC
-from sdr_spoof.reproduce.proportion import wilson
+
+from .analysis import wilson
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
