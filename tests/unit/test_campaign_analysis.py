@@ -99,6 +99,9 @@ def test_latency() -> None:
     fast = row_of(rows, **{"point": 1, "detector": "glr", "from": "drag"})
     assert (fast["trials"], fast["found"]) == (3, 3)
     assert [fast[q] for q in ("q25_s", "q50_s", "q75_s")] == pytest.approx([1.0, 1.5, 2.0])
+    assert (fast["before"], fast["within_trials"], fast["within_count"]) == (0, 3, 2)  # 2 s
+    slow = row_of(rows, **{"point": 0, "detector": "glr", "from": "drag"})
+    assert (slow["before"], slow["within_trials"], slow["within_count"]) == (1, 4, 1)
     on_air = row_of(rows, **{"point": 1, "detector": "glr", "from": "on air"})
     assert on_air["q50_s"] == pytest.approx(3.5)
 

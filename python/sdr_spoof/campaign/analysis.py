@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 CONFIDENCE = 0.95
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
+WITHIN_S = 2.0
 MOST_THRESHOLDS = 100
 """Points of a ROC curve."""
 
@@ -62,8 +63,12 @@ def detection_table(table: Table, trials: Trials) -> Rows:
 
 
 def latency_table(table: Table, trials: Trials) -> Rows:
-    """Quantiles of the time from either start to an alarm at each point, by attack and detector."""
+    """Alarms in time and quantiles of the time from either start, at each point, by attack.
+
+    Those before the start are not in time: of ``from`` drag, they are of the capture.
+    """
     rows: Rows = []
+    within_s = float(table.spec.get("output", {}).get("within_s", WITHIN_S))
     for values, here in _by_point(table, trials.where(trials.hostile)):
         for mine in _parts(here):
             times = {"on air": mine.on_air_latency_s, "drag": mine.drag_latency_s}
@@ -71,7 +76,10 @@ def latency_table(table: Table, trials: Trials) -> Rows:
                 known = latency[~np.isnan(latency)]
                 if known.size:
                     count = {"from": start, "trials": latency.size, "found": known.size}
-                    rows.append({**values, **_named(mine), **count, **_quantiles(known)})
+                    count |= {"before": int((known < 0.0).sum()), "within_s": within_s}
+                    in_time = _share("within", (latency >= 0.0) & (latency <= within_s))
+                    named = {**values, **_named(mine)}
+                    rows.append({**named, **count, **in_time, **_quantiles(known)})
     return rows
 
 

@@ -122,6 +122,9 @@ class OutputPlan(BaseModel):
         description="columns to keep, as patterns: C27.*, *.alarm_s; sweep values, seed, error "
         "and the truth are always kept",
     )
+    within_s: float = Field(
+        2.0, gt=0.0, description="an alarm within this time of a start is in time, in latency.csv"
+    )
 
 
 class CampaignSpec(BaseModel):

@@ -21,6 +21,7 @@ STUDIES = {
     "acquisition": "acquisition.json",
     "tracking": "tracking_jitter.json",
     "combo": "combo.json",
+    "fallback": "fallback.json",
     "speed": "speed.json",
 }
 """Name of a study, and the file that it writes last."""
@@ -82,6 +83,10 @@ def _study(arguments: argparse.Namespace, folder: Path, progress: Any) -> dict[s
 
         seeds = max(2, round(20 * share))
         return combo.run(folder, seeds=seeds, threads=arguments.threads, progress=progress)
+    if arguments.study == "fallback":
+        from sdr_spoof.studies import fallback  # noqa: PLC0415
+
+        return fallback.run(folder, runs=max(1, round(20 * share)), progress=progress)
     from sdr_spoof.studies import tracking  # noqa: PLC0415
 
     duration_s = max(6.0, 30.0 * share)
