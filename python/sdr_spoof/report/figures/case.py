@@ -22,6 +22,8 @@ class Case:
     log: TrackLog
     tracks: tuple[SignalTrack, ...]
     """Thinned, in memory."""
+    whole: tuple[SignalTrack, ...]
+    """The same with every epoch, to be read in parts."""
     truth: TruthMark | None
 
     @classmethod
@@ -34,9 +36,9 @@ class Case:
     ) -> Case:
         """From the log, of whose long tracks every n-th epoch is taken."""
         tracks = (t for t in log.signals if t.prn == satellite.prn)
-        mine = [t for t in tracks if signal_spec(t.signal).system == satellite.system]
+        mine = tuple(t for t in tracks if signal_spec(t.signal).system == satellite.system)
         sampled = tuple(t.sampled(SAMPLED_EPOCHS) for t in mine)
-        return cls(satellite, evidence, log, sampled, truth)
+        return cls(satellite, evidence, log, sampled, mine, truth)
 
     @property
     def onset_s(self) -> float:

@@ -103,16 +103,16 @@ def _difference(axes: Axes, case: Case) -> None:
         axes.set_yticks([*signed, 0, *(t for t in ticks if t < 1.2 * high)])
         axes.yaxis.set_minor_locator(NullLocator())
         axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
-        note = f"logarithmic beyond ±{INNER_CYCLES:g}"
+        rises = bool(np.nanmean(value - level) > 0.0)  # to the upper right: the note goes below
         axes.text(
             0.995,
-            0.96,
-            note,
+            0.04 if rises else 0.96,
+            f"logarithmic beyond ±{INNER_CYCLES:g}",
             transform=axes.transAxes,
             fontsize=8,
             color=style.MUTED,
             ha="right",
-            va="top",
+            va="bottom" if rises else "top",
         )
 
 
@@ -236,7 +236,7 @@ def _peaks(figure: SubFigure, case: Case, bands: int) -> None:
     last_s = max(a.alarm_s for a in case.satellite.alarms)
     parts = stretches(case.onset_s, last_s, case.log.duration_s)
     axes = figure.subplots(1, len(parts) * bands, sharex=True, sharey=True, squeeze=False)[0]
-    for number, track in enumerate(case.tracks):
+    for number, track in enumerate(case.whole):
         mine = axes[number * len(parts) : (number + 1) * len(parts)]
         draw_peaks(mine, track, parts, captured=track.signal == case.satellite.band)
     reach = max(float(np.abs(axis.get_xlim()).max()) for axis in axes)

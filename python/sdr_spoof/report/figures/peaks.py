@@ -16,6 +16,8 @@ from sdr_spoof.signals import signal_spec
 
 AROUND_S = 2.0
 """Length of the stretches before and after."""
+DURING_S = 20.0
+"""Longest stretch that counts as during the change."""
 LEAST_EPOCHS = 5
 
 
@@ -29,8 +31,8 @@ class Stretch:
 
 
 def stretches(onset_s: float, last_alarm_s: float, duration_s: float) -> tuple[Stretch, ...]:
-    """Before the onset, from there to the last alarm, and the end of the recording."""
-    change_s = min(max(last_alarm_s, onset_s + 0.5), duration_s)
+    """Before the onset, from there to the last alarm or so, and the end of the recording."""
+    change_s = min(max(last_alarm_s, onset_s + 0.5), onset_s + DURING_S, duration_s)
     late_s = max(change_s, duration_s - AROUND_S)
     if duration_s - late_s < 0.25:  # the alarm came with the end
         late_s = change_s = onset_s + 0.6 * (duration_s - onset_s)
