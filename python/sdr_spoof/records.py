@@ -97,12 +97,13 @@ class Track:
     def between(self, start_s: float, stop_s: float) -> Self:
         """Epochs whose time lies in [start_s, stop_s], in memory."""
 
-        def time_s(row: int) -> float:
-            return float(self.part(row, row + 1).time_s[0])
-
         rows = range(self.epochs)
-        first = bisect_left(rows, start_s, key=time_s)
-        return self.part(first, bisect_right(rows, stop_s, key=time_s))
+        first = bisect_left(rows, start_s, key=self.time_at)
+        return self.part(first, bisect_right(rows, stop_s, key=self.time_at))
+
+    def time_at(self, row: int) -> float:
+        """Time of one epoch."""
+        return float(self.time_s[row])
 
     def sampled(self, most: int) -> Self:
         """Every n-th epoch of the track, no more than ``most`` in all, in memory."""

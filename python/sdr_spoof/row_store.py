@@ -164,6 +164,9 @@ class _Stored(Track):
         track: Self = self._kind(**self._rows.constants, **columns)
         return track
 
+    def time_at(self, row: int) -> float:
+        return float(self._rows.column("time_s", row, row + 1)[0])
+
     def in_memory(self) -> Self:
         return self.part(0, self.epochs)
 

@@ -12,6 +12,7 @@ variance, nu = 8 k (q f(q))^2 degrees of freedom: 4.7 of the 8 that a group of t
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -71,20 +72,27 @@ def noise_level(
     # A group may be cut off at the beginning.
     most, fewest = longest // group, max(least // group - 1, 3)
     count = np.minimum(np.arange(each.size) + 1, most).astype(np.float64)
-    law = chi2(group - 2)
-    middle = float(law.median())
+    middle, density = _chi2_median(group - 2)
     expected = spread[inside].reshape(-1, group).mean(axis=1)
     variance, relative = (_trailing_median(v, most) / middle for v in (each, each / expected))
     variance[: fewest - 1] = np.nan
-    freedom = np.maximum(8.0 * count * (middle * float(law.pdf(middle))) ** 2, 1.0)
+    freedom = np.maximum(8.0 * count * (middle * density) ** 2, 1.0)
     return NoiseLevel(variance, relative, freedom, skip, group)
+
+
+@cache
+def _chi2_median(freedom: int) -> tuple[float, float]:
+    """Median of the chi-square law, and its density there."""
+    law = chi2(freedom)
+    middle = float(law.median())
+    return middle, float(law.pdf(middle))
 
 
 def _trailing_median(values: NDArray[np.float64], most: int) -> NDArray[np.float64]:
     """Median of each value and up to ``most`` - 1 before it."""
-    start = min(values.size, most)
-    growing = [np.median(values[: k + 1]) for k in range(start)]
-    if values.size <= most:
-        return np.asarray(growing, dtype=np.float64)
-    full = np.median(sliding_window_view(values, most)[1:], axis=1)
-    return np.concatenate([growing, full])
+    # What is not there yet sorts behind everything else.
+    padded = np.concatenate([np.full(most - 1, np.inf), values])
+    ordered = np.sort(sliding_window_view(padded, most), axis=1)
+    count = np.minimum(np.arange(values.size) + 1, most)
+    rows = np.arange(values.size)
+    return np.asarray(0.5 * (ordered[rows, (count - 1) // 2] + ordered[rows, count // 2]))
