@@ -11,8 +11,7 @@ use sdr_spoof_core::dsp::raw::RawSamples;
 use sdr_spoof_core::sample::SampleFormat;
 use sdr_spoof_core::signal;
 use sdr_spoof_core::simd::Level;
-use sdr_spoof_core::synth::{Emitter, SynthConfig, Synthesizer};
-use workload::{engine, noise, run, LO_HZ, PER_MS, PRNS, RATE_HZ, TAPS, WORKLOADS};
+use workload::{engine, noise, run, synthesizer, LO_HZ, PER_MS, PRNS, RATE_HZ, TAPS, WORKLOADS};
 
 const ENGINE_MS: usize = 20;
 const SYNTHESIS_SAMPLES: usize = 1 << 17;
@@ -61,24 +60,7 @@ fn acquire(times: usize) {
 
 /// 24 emitters and noise.
 fn synthesise(times: usize) {
-    let emitter = |id, prn: u16| Emitter {
-        delay_s: 0.07 + 1e-4 * f64::from(prn),
-        doppler_hz: 100.0 * f64::from(prn) - 3e3,
-        ..Emitter::new(signal::find(id).expect("registered"), prn, 45.0)
-    };
-    let satellite = |&prn: &u16| ["B1I", "B1CP"].map(|id| emitter(id, prn));
-    let config = SynthConfig {
-        sample_rate_hz: RATE_HZ,
-        lo_hz: LO_HZ,
-        format: SampleFormat::parse("ri8").expect("a known format"),
-        noise_rms_lsb: 16.0,
-        noise: true,
-        seed: 1,
-        filter: None,
-        threads: 1,
-    };
-    let emitters = PRNS.iter().flat_map(satellite).collect();
-    let synthesizer = Synthesizer::new(config, emitters).expect("a valid plan");
+    let synthesizer = synthesizer(&["B1I", "B1CP"], false, 1);
     for k in 0..times {
         let start = (k * SYNTHESIS_SAMPLES) as u64;
         let bytes = synthesizer.generate(start, SYNTHESIS_SAMPLES);

@@ -8,35 +8,8 @@
 use std::hint::black_box;
 
 use criterion::{criterion_group, criterion_main, BenchmarkId, Criterion, Throughput};
-use sdr_spoof_core::sample::SampleFormat;
-use sdr_spoof_core::signal;
 use sdr_spoof_core::simd::Level;
-use sdr_spoof_core::synth::{Emitter, Filter, SynthConfig, Synthesizer};
-use workload::{LO_HZ, PER_MS, PRNS, RATE_HZ};
-
-/// A synthesiser of these components of all satellites, the components of each moving as one.
-fn synthesizer(components: &[&str], filter: bool, threads: usize) -> Synthesizer {
-    let satellite = |&prn: &u16| {
-        components.iter().map(move |id| Emitter {
-            delay_s: 0.07 + 1e-4 * f64::from(prn),
-            doppler_hz: 100.0 * f64::from(prn) - 3e3,
-            ..Emitter::new(signal::find(id).expect("registered"), prn, 45.0)
-        })
-    };
-    let filter = filter.then(|| Filter::new(0.25, 50e6 / RATE_HZ, 63, false));
-    let config = SynthConfig {
-        sample_rate_hz: RATE_HZ,
-        lo_hz: LO_HZ,
-        format: SampleFormat::parse("ri8").expect("a known format"),
-        noise_rms_lsb: 16.0,
-        noise: true,
-        seed: 1,
-        filter: filter.map(|f| f.expect("inside the sampled band")),
-        threads,
-    };
-    let emitters = PRNS.iter().flat_map(satellite).collect();
-    Synthesizer::new(config, emitters).expect("a valid plan")
-}
+use workload::{synthesizer, PER_MS};
 
 fn synthesis(c: &mut Criterion) {
     let mut group = c.benchmark_group("synthesis");

@@ -93,7 +93,7 @@ def _listed(plan: Plan) -> Outcome:
     def render(console: Console) -> None:
         made = tables.table("Points", *points[0])
         for point in points[:_MOST_ROWS]:
-            made.add_row(*(_cell(v) for v in point.values()))
+            made.add_row(*(tables.cell(v) for v in point.values()))
         console.print(made)
         console.print(
             f"{len(points)} points x {plan.spec.campaign.runs} runs = {plan.total} runs, "
@@ -116,7 +116,7 @@ def _print_table(console: Console, plan: Plan, rows: list[dict[str, Any]]) -> No
     for row in rows[:_MOST_ROWS]:
         latency = row["median_on_air_s"]
         made.add_row(
-            *(_cell(row[name]) for name in axes),
+            *(tables.cell(row[name]) for name in axes),
             *(row["what"] or "nothing", row["detector"], f"{row['alarm']:.3f}"),
             f"{row['alarm_low']:.3f}-{row['alarm_high']:.3f}",
             "" if math.isnan(latency) else f"{latency:.2f} s",
@@ -124,10 +124,6 @@ def _print_table(console: Console, plan: Plan, rows: list[dict[str, Any]]) -> No
     console.print(made)
     if len(rows) > _MOST_ROWS:
         console.print(f"{len(rows) - _MOST_ROWS} lines more in detection.csv", highlight=False)
-
-
-def _cell(value: Any) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 COMMAND = Command(

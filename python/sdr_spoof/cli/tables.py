@@ -117,3 +117,8 @@ def timeline(c: TruthComparison) -> str:
 def _bands(signals: Sequence[str]) -> str:
     names = dict.fromkeys(signal_spec(s).composite for s in signals)
     return ", ".join(names) or "one band"
+
+
+def cell(value: Any) -> str:
+    """A value of any table."""
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -55,7 +55,7 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
             if isinstance(table, list):
                 made = tables.table(name, *table[0])
                 for row in table:
-                    made.add_row(*(_cell(v) for v in row.values()))
+                    made.add_row(*(tables.cell(v) for v in row.values()))
                 console.print(made)
         console.print(f"{len(rows)} rows and a figure in {folder}", highlight=False)
 
@@ -91,10 +91,6 @@ def _study(arguments: argparse.Namespace, folder: Path, progress: Any) -> dict[s
 
     duration_s = max(6.0, 30.0 * share)
     return tracking.run(folder, duration_s=duration_s, threads=arguments.threads, progress=progress)
-
-
-def _cell(value: Any) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 COMMAND = Command(

@@ -23,9 +23,8 @@ from sdr_spoof import _core
 from sdr_spoof.detectors import code_blocks, jump_slope
 from sdr_spoof.detectors.config import DetectionConfig
 from sdr_spoof.detectors.phase_difference import epoch_of, settled
-from sdr_spoof.detectors.presence import present
+from sdr_spoof.detectors.presence import combo_sections
 from sdr_spoof.detectors.series import StatisticSeries
-from sdr_spoof.detectors.windows import sections
 from sdr_spoof.records import ComboTrack, State, TrackLog
 
 NAME = "code_difference"
@@ -36,11 +35,8 @@ def statistics(log: TrackLog, config: DetectionConfig) -> Iterator[StatisticSeri
     lead_s = code_blocks.lead_s(
         config.code_difference_windows_s, config.code_difference_reference_s, config
     )
-    for track in log.combos:
-        for first, stop, lead in sections(track, lead_s):
-            part = track.part(first, stop)
-            there = present(log, part, config.min_cn0_dbhz)
-            yield statistic(part, config, there, lead, first)
+    for part, there, lead, first in combo_sections(log, config, lead_s):
+        yield statistic(part, config, there, lead, first)
 
 
 def statistic(

@@ -17,7 +17,6 @@ Cycle slips of the carrier are repaired where they can be told; one that cannot 
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator
 
 import numpy as np
@@ -35,7 +34,7 @@ from sdr_spoof.detectors.phase_difference import (
     slip_quantum,
 )
 from sdr_spoof.detectors.presence import BELOW_DB, empty
-from sdr_spoof.detectors.series import StatisticSeries
+from sdr_spoof.detectors.series import StatisticSeries, signals_of
 from sdr_spoof.detectors.slips import repair_every_slip
 from sdr_spoof.detectors.windows import sections
 from sdr_spoof.records import SignalTrack, State, TrackLog
@@ -48,9 +47,8 @@ def statistics(log: TrackLog, config: DetectionConfig) -> Iterator[StatisticSeri
     lead_s = code_blocks.lead_s(
         config.code_minus_carrier_windows_s, config.code_minus_carrier_reference_s, config
     )
-    signals = Counter((_system(track.signal), track.prn) for track in log.signals)
     for track in log.signals:
-        share = 1.0 / signals[_system(track.signal), track.prn]
+        share = 1.0 / signals_of(log, track)
         for first, stop, lead in sections(track, lead_s):
             yield statistic(track.part(first, stop), config, lead, first, share)
 
@@ -96,7 +94,7 @@ def statistic(
         code_blocks.lead_blocks(lead, epoch_s, first),
         config.false_alarms_per_hour * share,
         detector=NAME,
-        system=_system(track.signal),
+        system=_core.signal_spec(track.signal)["system"],
         prn=track.prn,
         trace_unit="code minus carrier, m",
         notes=code_blocks.notes(rows, plan),
@@ -118,7 +116,3 @@ def difference_m(track: SignalTrack, pieces: tuple[slice, ...]) -> NDArray[np.fl
         course = (delay_s[piece] - delay_s[piece][0]) - (phase - phase[0]) / spec["carrier_hz"]
         metres[piece] = SPEED_OF_LIGHT * course
     return metres
-
-
-def _system(signal: str) -> str:
-    return str(_core.signal_spec(signal)["system"])

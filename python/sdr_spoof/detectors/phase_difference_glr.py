@@ -33,10 +33,9 @@ from sdr_spoof.detectors.phase_difference import (
     ratio_hz,
     scaled_difference,
 )
-from sdr_spoof.detectors.presence import present
+from sdr_spoof.detectors.presence import combo_sections
 from sdr_spoof.detectors.series import StatisticSeries
 from sdr_spoof.detectors.slips import repair_every_slip
-from sdr_spoof.detectors.windows import sections
 from sdr_spoof.records import ComboTrack, TrackLog
 
 NAME = "phase_difference_glr"
@@ -52,11 +51,9 @@ GROUP_S = 0.1
 def statistics(log: TrackLog, config: DetectionConfig) -> Iterator[StatisticSeries]:
     """The statistic of every satellite that is tracked in both bands, section by section."""
     reach_s = config.phase_difference_glr_reference_s + max(config.phase_difference_glr_windows_s)
-    for track in log.combos:
-        for first, stop, lead in sections(track, config.settle_s + reach_s + GROUP_S):
-            part = track.part(first, stop)
-            there = present(log, part, config.min_cn0_dbhz)
-            yield statistic(part, config, there, lead, first)
+    lead_s = config.settle_s + reach_s + GROUP_S
+    for part, there, lead, first in combo_sections(log, config, lead_s):
+        yield statistic(part, config, there, lead, first)
 
 
 def plan_for(epoch_s: float, config: DetectionConfig) -> Plan:

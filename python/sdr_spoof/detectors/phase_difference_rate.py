@@ -29,10 +29,10 @@ from sdr_spoof.detectors.phase_difference import (
     ratio_hz,
     scaled_difference,
 )
-from sdr_spoof.detectors.presence import present
+from sdr_spoof.detectors.presence import combo_sections
 from sdr_spoof.detectors.series import StatisticSeries
 from sdr_spoof.detectors.slips import repair_slips
-from sdr_spoof.detectors.windows import sections, sliding_mean, sliding_slope, slope_sigma
+from sdr_spoof.detectors.windows import sliding_mean, sliding_slope, slope_sigma
 from sdr_spoof.records import ComboTrack, TrackLog
 
 NAME = "phase_difference_rate"
@@ -41,15 +41,8 @@ NAME = "phase_difference_rate"
 def statistics(log: TrackLog, config: DetectionConfig) -> Iterator[StatisticSeries]:
     """The statistic of every satellite that is tracked in both bands, section by section."""
     lead_s = config.settle_s + config.window_s + config.onset_lookback_s
-    for track in log.combos:
-        for first, stop, lead in sections(track, lead_s):
-            yield _of_section(log, track.part(first, stop), lead, config)
-
-
-def _of_section(
-    log: TrackLog, part: ComboTrack, lead: int, config: DetectionConfig
-) -> StatisticSeries:
-    return statistic(part, config, present(log, part, config.min_cn0_dbhz), lead)
+    for part, there, lead, _ in combo_sections(log, config, lead_s):
+        yield statistic(part, config, there, lead)
 
 
 def statistic(

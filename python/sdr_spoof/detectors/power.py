@@ -38,8 +38,7 @@ from scipy.ndimage import maximum_filter1d
 from sdr_spoof import _core
 from sdr_spoof.detectors.config import DetectionConfig
 from sdr_spoof.detectors.presence import BELOW_DB, empty
-from sdr_spoof.detectors.series import StatisticSeries
-from sdr_spoof.detectors.signal_quality import signals_of
+from sdr_spoof.detectors.series import StatisticSeries, signals_of
 from sdr_spoof.detectors.windows import sections, segments, sliding_mean
 from sdr_spoof.records import SignalTrack, State, TrackLog
 

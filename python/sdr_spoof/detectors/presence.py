@@ -8,10 +8,14 @@ judged in hindsight, over short windows, and all rows of a window without signal
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, uniform_filter1d
 
+from sdr_spoof.detectors.config import DetectionConfig
+from sdr_spoof.detectors.windows import sections
 from sdr_spoof.records import ComboTrack, SignalTrack, TrackLog
 from sdr_spoof.signals import signal_spec
 
@@ -24,6 +28,20 @@ NOISE_CHIPS = 1.5
 """A tap this far from the prompt, or further, sees noise alone."""
 NOISE_S = 2.0
 """Noise power is averaged over this."""
+
+
+def combo_sections(
+    log: TrackLog, config: DetectionConfig, lead_s: float
+) -> Iterator[tuple[ComboTrack, NDArray[np.bool_], int, int]]:
+    """Sections of every combo of a log (:func:`.windows.sections`).
+
+    Each with its rows in which both signals were there, how many rows are those of the section
+    before, and the number of its first row in the whole track.
+    """
+    for track in log.combos:
+        for first, stop, lead in sections(track, lead_s):
+            part = track.part(first, stop)
+            yield part, present(log, part, config.min_cn0_dbhz), lead, first
 
 
 def present(log: TrackLog, combo: ComboTrack, min_cn0_dbhz: float) -> NDArray[np.bool_]:

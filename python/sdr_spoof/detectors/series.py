@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
 
-from sdr_spoof.records import Alarm
+from sdr_spoof import _core
+from sdr_spoof.records import Alarm, SignalTrack, TrackLog
 
 LOG10_P_FLOOR = -30.0
 """Significance is clipped here: no noise model is trusted further into its tail."""
@@ -89,3 +90,11 @@ class StatisticSeries:
         z = abs(float(self.value[row])) / float(self.sigma[row])
         log10_p = (float(norm.logsf(z)) + np.log(2.0)) / np.log(10.0)
         return float(np.clip(log10_p, LOG10_P_FLOOR, 0.0))
+
+
+def signals_of(log: TrackLog, track: SignalTrack) -> int:
+    """Number of signals of the same satellite in the log."""
+    system = _core.signal_spec(track.signal)["system"]
+    return sum(
+        t.prn == track.prn and _core.signal_spec(t.signal)["system"] == system for t in log.signals
+    )

@@ -44,7 +44,7 @@ from scipy.stats import norm
 from sdr_spoof import _core
 from sdr_spoof.detectors.config import DetectionConfig
 from sdr_spoof.detectors.presence import BELOW_DB, empty
-from sdr_spoof.detectors.series import StatisticSeries
+from sdr_spoof.detectors.series import StatisticSeries, signals_of
 from sdr_spoof.detectors.windows import moving_sum, sections, segments
 from sdr_spoof.records import SignalTrack, State, TrackLog
 
@@ -102,14 +102,6 @@ def statistics(
             part = track.part(first, stop)
             epochs = per_epoch(part, metric, log.sample_rate_hz, config)
             yield _series(epochs, part, metric, scatter, name, share, lead, config)
-
-
-def signals_of(log: TrackLog, track: SignalTrack) -> int:
-    """Number of signals of the same satellite in the log."""
-    system = _core.signal_spec(track.signal)["system"]
-    return sum(
-        t.prn == track.prn and _core.signal_spec(t.signal)["system"] == system for t in log.signals
-    )
 
 
 def per_epoch(
