@@ -80,7 +80,7 @@ def test_how_far_an_echo_and_a_captured_carrier_go():
     ray = ECHO | {"delay_rate_m_s": 0.5, "ratio": 0.6}
     echo = log_of({"kind": "multipath", "prn": 27, "ray": [ray]})
     assert reflection.phase_reach(echo, ("C", 27), 12.0, CONFIG) < reflection.PHASE_REACH_CYCLES
-    drag = log_of(DRAG | {"signals": ["B1C"]})
+    drag = log_of(DRAG | {"signals": ["B1C"], "drag_rate_m_s": 0.5})
     assert reflection.phase_reach(drag, ("C", 27), 12.0, CONFIG) > 10.0
     for track in tracks_of(echo, "C", 27):
         reach_m = reflection.code_reach_m(track, 12.0, CONFIG)
