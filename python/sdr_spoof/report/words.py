@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from sdr_spoof import _core, detectors, signals
-from sdr_spoof.detectors import power
+from sdr_spoof.detectors import noise_floor, power
 from sdr_spoof.detectors.series import LOG10_P_FLOOR
 from sdr_spoof.fusion import deciding, evidence_of
 from sdr_spoof.records import Alarm, SatelliteVerdict, Verdict
@@ -59,6 +59,8 @@ def _what(alarm: Alarm) -> str:
     if evidence_of(alarm.detector) == "consistency":
         return "its carriers parted, and its peaks changed with them, as a reflection does too"
     band = band_name(alarm.band)
+    if alarm.quantity == noise_floor.QUANTITY:
+        return f"the noise floor of {band} rose for all satellites alike; {noise_floor.CAUSE}"
     if alarm.detector == power.NAME:
         return f"{alarm.quantity} of its {band} signal rose; multipath or a spoofer"
     return f"the correlation peak of its {band} signal changed shape; multipath or a spoofer"
