@@ -18,6 +18,8 @@ QUICK = DetectionConfig(
     phase_difference_glr_reference_s=2.0,
     quality_reference_s=2.0,
     power_reference_s=2.0,
+    power_difference_windows_s=(1.0,),
+    power_difference_reference_s=5.0,
 )
 """References that a few seconds of signal hold."""
 
@@ -27,14 +29,16 @@ def test_every_detector_says_the_same_of_clean_signals() -> None:
     seen = [o for run in tracks(plan, "if", 1, QUICK) for o in run]
     made = [o for run in tracks(plan, "correlator", 8, QUICK) for o in run]
     found = compare("clean", 38.0, seen, made, DRAG_S)
-    assert {c.name[0] for c in found} == set(QUICK.detectors)
-    for c in found:
-        assert c.tracks == (2, 16), c.name
+    tested = [c for c in found if max(c.tracks)]
+    assert {c.name[0] for c in tested} == set(QUICK.detectors)
+    for c in tested:
+        few, many = c.tracks
+        assert many == 8 * few, c.name
         assert c.p > LEAST_P, c.name
         # Two tracks have no spread to speak of: theirs is that of the others.
         of = [o for o in made if o.name == c.name]
         spread = np.std([o.mean for o in of], ddof=1)
-        assert abs(c.mean.made - c.mean.seen) <= 4 * spread * np.sqrt(1 / 2 + 1 / 16), c.name
+        assert abs(c.mean.made - c.mean.seen) <= 4 * spread * np.sqrt(1 / few + 1 / many), c.name
 
 
 def observed(mean: float, rng: np.random.Generator, alarm_s: float) -> Observed:

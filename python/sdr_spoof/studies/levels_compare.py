@@ -13,10 +13,10 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.stats import ks_2samp, norm, ttest_ind
+from scipy.stats import ks_2samp, norm, ttest_ind_from_stats
 
-from sdr_spoof.detectors import StatisticSeries
-from sdr_spoof.fusion import per_test
+from sdr_spoof.detectors import StatisticSeries, noise_floor
+from sdr_spoof.fusion import share_of
 from sdr_spoof.verdict import statistics
 
 if TYPE_CHECKING:
@@ -41,6 +41,7 @@ REFERENCES = {
     "ratio_metric": "quality_reference_s",
     "ratio_metric_variance": "quality_reference_s",
     "power": "power_reference_s",
+    "power_difference": "power_difference_reference_s",
 }
 """Setting that holds the reference of a detector; others have none."""
 Name = tuple[str, str, str]
@@ -63,12 +64,20 @@ class Observed:
 
 
 def observe(log: TrackLog, config: DetectionConfig, from_s: float = 0.0) -> list[Observed]:
-    """Every series of a log, its deviates from a time on and its alarm."""
-    return [_observed(series, config, from_s) for series in statistics(log, config)]
+    """Every series of a log, its deviates from a time on and its alarm.
+
+    What is of a whole band, and the same for every satellite, counts once.
+    """
+    found: dict[tuple[Name, int], Observed] = {}
+    for series in statistics(log, config):
+        observed = _observed(series, config, from_s)
+        of_band = observed.name[2] == noise_floor.QUANTITY
+        found.setdefault((observed.name, 0 if of_band else series.prn), observed)
+    return list(found.values())
 
 
 def _observed(series: StatisticSeries, config: DetectionConfig, from_s: float) -> Observed:
-    threshold = series.threshold(per_test(config).false_alarm_probability)
+    threshold = series.threshold(share_of(config).false_alarm_probability)
     alarms = series.time_s[np.abs(series.value) > threshold]
     kept = series.time_s >= from_s
     deviate, time_s = (series.value / series.sigma)[kept], series.time_s[kept]
@@ -205,7 +214,8 @@ def _pair(tested: list[list[Observed]], number: Callable[[Observed], float]) -> 
     error = float(np.sqrt(sum(x.var(ddof=1) / x.size for x in each)))
     if error <= 1e-9 * max(abs(seen), abs(made)):  # all the same, as rises of power are 0
         return Pair(seen, made, 0.0, 0.0)
-    p = float(ttest_ind(each[0], each[1], equal_var=False).pvalue)
+    (a, b), (m, n) = (x.std(ddof=1) for x in each), (x.size for x in each)
+    p = float(ttest_ind_from_stats(seen, a, m, made, b, n, equal_var=False).pvalue)
     return Pair(seen, made, error, float(np.sign(made - seen) * norm.isf(p / 2.0)))
 
 
