@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sdr_spoof import detectors
-from sdr_spoof.detectors import DetectionConfig, delta_metric, power
+from sdr_spoof.detectors import DetectionConfig, delta_metric, noise_floor, power
 from sdr_spoof.records import Alarm
 from sdr_spoof.signals import signal_spec
 
@@ -81,7 +81,12 @@ def attribute(
 
 def _named(kind: str, signals: Sequence[str], alarms: Sequence[Alarm]) -> set[str]:
     """Signals that the evidence of a kind names."""
-    of_kind = [a for a in alarms if a.band in signals and kind_of(a) == kind]
+    of_kind = [
+        a
+        for a in alarms
+        # The floor is one of all satellites: it says nothing of this one's bands.
+        if a.band in signals and kind_of(a) == kind and a.quantity != noise_floor.QUANTITY
+    ]
     own = {a.band for a in of_kind if a.detector != SHARED_LOOP}
     shared = {a.band for a in of_kind if a.detector == SHARED_LOOP}
     found = own or (shared if len(shared) == 1 else set())

@@ -108,7 +108,7 @@ DETECTORS: dict[str, Detector] = {
             power.NAME,
             "Power",
             "whether power has risen beyond what its past explains: C/N0, the band's noise, or the "
-            "one against the other",
+            "one against the other; and the noise of all satellites of a band together",
             "a spoofer as strong as the satellite; one that raises its power slowly; it cannot "
             "tell interference, multipath or a change of gain from a spoofer",
             power.statistics,

@@ -203,6 +203,18 @@ class DetectionConfig(BaseModel):
         description="Width of the band within which multipath may innocently move the power of "
         "one band over the other, in dB.",
     )
+    power_floor_window_s: float = Field(
+        5.0,
+        ge=0.5,
+        le=60.0,
+        description="Window of the noise floor of a band, the mean of all its satellites, in s.",
+    )
+    power_floor_wander_db: float = Field(
+        0.05,
+        ge=0.0,
+        description="Standard deviation of innocent changes of the noise floor of a band "
+        "(temperature, antenna), in dB.",
+    )
     power_noise_floor: float | None = Field(
         None,
         gt=0.0,
