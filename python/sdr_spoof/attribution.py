@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sdr_spoof import detectors
-from sdr_spoof.detectors import DetectionConfig, noise_floor, power
+from sdr_spoof.detectors import DetectionConfig, noise_floor, power, second_peak
 from sdr_spoof.records import Alarm
 from sdr_spoof.signals import signal_spec
 
@@ -53,7 +53,8 @@ def attribute(
     for alarm in alarms:
         if alarm.band is None or alarm.band not in signals:
             continue
-        if alarm.quantity == noise_floor.QUANTITY:  # of all satellites, not of this one's band
+        # Of all satellites, and of two transmitters: neither says which band was captured.
+        if alarm.quantity == noise_floor.QUANTITY or alarm.detector == second_peak.NAME:
             continue
         if abs(alarm.onset_s - onset_s) <= config.fusion_together_s:
             named[kind_of(alarm)].add(alarm.band)

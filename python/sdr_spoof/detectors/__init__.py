@@ -18,6 +18,7 @@ from sdr_spoof.detectors import (
     phase_difference_rate,
     power,
     ratio_metric,
+    second_peak,
 )
 from sdr_spoof.detectors.config import DetectionConfig
 from sdr_spoof.detectors.series import StatisticSeries
@@ -112,6 +113,16 @@ DETECTORS: dict[str, Detector] = {
             "tell interference, multipath or a change of gain from a spoofer",
             power.statistics,
             "quality",
+        ),
+        Detector(
+            second_peak.NAME,
+            "Second peak",
+            "whether a search finds a second signal of the satellite, well away from the tracked "
+            "one",
+            "a second signal within ten chips of the tracked one, or below the search's threshold; "
+            "one that is on the air between two searches only; one on a signal that is not "
+            "searched (B1C, where B1I is tracked); which of both signals is the true one",
+            second_peak.statistics,
         ),
     )
 }

@@ -23,6 +23,7 @@ class DetectionConfig(BaseModel):
             "ratio_metric",
             "ratio_metric_variance",
             "power",
+            "second_peak",
         ),
         min_length=1,
         description="Detectors to run, by registry name.",

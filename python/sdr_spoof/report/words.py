@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from sdr_spoof import _core, detectors, signals
-from sdr_spoof.detectors import noise_floor, power
+from sdr_spoof.detectors import noise_floor, power, second_peak
 from sdr_spoof.detectors.series import LOG10_P_FLOOR
 from sdr_spoof.fusion import deciding, evidence_of
 from sdr_spoof.records import Alarm, SatelliteVerdict, Verdict
@@ -50,6 +50,8 @@ def satellite_sentence(satellite: SatelliteVerdict) -> str:
     since = f", since {satellite.onset_s:.2f} s" if satellite.onset_s is not None else ""
     if satellite.verdict == SUSPECT:
         return f"{who}: {_what(satellite.alarms[0])}{since}."
+    if all(a.detector == second_peak.NAME for a in deciding(satellite.alarms)):
+        return f"{who}: {second_peak.CAUSE}{since}."
     if satellite.band is None:
         return f"{who}: spoofed, in which band cannot be told{since}."
     return f"{who}: its {band_name(satellite.band)} signal has been captured{since}."
