@@ -17,6 +17,7 @@ from sdr_spoof.detectors import (
     phase_difference_glr,
     phase_difference_rate,
     power,
+    power_difference,
     ratio_metric,
     second_peak,
 )
@@ -112,6 +113,16 @@ DETECTORS: dict[str, Detector] = {
             "a spoofer as strong as the satellite; one that raises its power slowly; it cannot "
             "tell interference, multipath or a change of gain from a spoofer",
             power.statistics,
+            "quality",
+        ),
+        Detector(
+            power_difference.NAME,
+            "Power difference",
+            "whether the power of the satellite's two bands changes alike",
+            "an attack that changes the power of both bands alike; changes slower than its "
+            "reference; it cannot tell multipath from a spoofer; satellites received in one band "
+            "only",
+            power_difference.statistics,
             "quality",
         ),
         Detector(

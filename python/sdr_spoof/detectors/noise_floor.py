@@ -14,7 +14,8 @@ Law under H0. That of :func:`noise_variance` for window and reference, over n ch
 hear different codes, so that their noise is independent. Window and reference share some of the
 tracker's memory, which makes their difference quieter; what is taken off makes the value smaller:
 P(value > x) is at most that of N(0, sigma^2). Innocent changes of the floor (temperature, what the
-antenna looks at, satellites that rise) have the deviation ``power_floor_wander_db``.
+antenna looks at, satellites that rise) have the deviation ``power_floor_wander_db``. The threshold
+is that of a rate of false alarms per hour and satellite (:mod:`.alarm_rate`).
 
 Source: D. Akos, "Who's afraid of the spoofer? GPS/GNSS spoofing detection via automatic gain
 control" (Navigation 59, 2012), for the noise floor as evidence.
@@ -28,6 +29,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from sdr_spoof.detectors.alarm_rate import mean_threshold_sigmas
 from sdr_spoof.detectors.config import DetectionConfig
 from sdr_spoof.detectors.series import StatisticSeries, signals_of
 from sdr_spoof.detectors.windows import moving_sum
@@ -119,8 +121,7 @@ def statistics(
 def _floor(channels: list[ChannelBins], config: DetectionConfig) -> _Floor:
     count = max(c.sums.shape[1] for c in channels)
     means = np.stack([c.means(count) for c in channels], axis=1)  # (2, K, B)
-    window = max(round(config.power_floor_window_s / BIN_S), 1)
-    reach = max(round(config.power_reference_s / BIN_S), window)
+    window, reach = _lengths(config)
     rise_db, usable = _rises(means, window, reach)
     n = usable.sum(axis=0)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -132,6 +133,12 @@ def _floor(channels: list[ChannelBins], config: DetectionConfig) -> _Floor:
     tested = n >= MIN_CHANNELS
     value = np.where(tested, np.maximum(noise_db - np.abs(power_db), 0.0), np.nan)
     return _Floor(value, thermal, usable & tested, _trace(means[0]))
+
+
+def _lengths(config: DetectionConfig) -> tuple[int, int]:
+    """Bins of the window and of the reference."""
+    window = max(round(config.power_floor_window_s / BIN_S), 1)
+    return window, max(round(config.power_reference_s / BIN_S), window)
 
 
 def _rises(
@@ -176,6 +183,7 @@ def _series(
     share: float,
     config: DetectionConfig,
 ) -> StatisticSeries:
+    window, reach = _lengths(config)
     rows = np.flatnonzero(took_part)
     piece = np.asarray(np.cumsum(np.diff(rows, prepend=rows[:1]) > 1), np.int64)
     ends_s = np.asarray((np.arange(floor.value.size) + 1) * BIN_S, np.float64)
@@ -191,7 +199,7 @@ def _series(
         sigma=np.hypot(thermal, config.power_floor_wander_db),
         sigma_thermal=thermal,
         segment=piece,
-        window_s=max(round(config.power_floor_window_s / BIN_S), 1) * BIN_S,
+        window_s=window * BIN_S,
         trace_time_s=ends_s - 0.5 * BIN_S,
         trace=floor.trace,
         trace_unit=f"dB, {QUANTITY} over its median",
@@ -200,6 +208,9 @@ def _series(
         signal=track.signal,
         quantity=QUANTITY,
         share=share,
+        threshold_sigmas=mean_threshold_sigmas(
+            window, reach, BIN_S, config.false_alarms_per_hour * share, sides=1
+        ),
     )
 
 

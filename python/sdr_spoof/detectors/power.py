@@ -20,7 +20,10 @@ slices dt, each with relative variance 1; averaged over a window W that is
 (dt / W) (1 - (m / W) (1 - exp(-W / m))). 10 / ln 10 makes them dB; those of window and reference
 add. Innocent power wanders too (multipath, attitude, elevation): the deviation ``power_wander_db``
 is added in squares. Since the reference is the *largest* of its windows, P(value > x) under H0 is
-at most that of N(0, sigma^2); values below 0 are given as 0.
+at most that of N(0, sigma^2); values below 0 are given as 0. A rise over the largest window is one
+over the window just before, so that clumps of alarms are no more than those of a mean against a
+reference of its own length, which sets the threshold for a rate of false alarms per hour and
+satellite (:mod:`.alarm_rate`), shared by its signals and quantities.
 
 Sources: K. Wesson, J. Gross, T. Humphreys and B. Evans, "GNSS signal authentication via power and
 distortion monitoring" (IEEE Transactions on Aerospace and Electronic Systems 54, 2018); D. Akos,
@@ -39,6 +42,7 @@ from scipy.ndimage import maximum_filter1d
 
 from sdr_spoof import _core
 from sdr_spoof.detectors import noise_floor
+from sdr_spoof.detectors.alarm_rate import mean_threshold_sigmas
 from sdr_spoof.detectors.config import DetectionConfig
 from sdr_spoof.detectors.noise_floor import DB, NOISE_MEMORY_S, ChannelBins, noise_variance
 from sdr_spoof.detectors.presence import BELOW_DB, empty
@@ -158,6 +162,9 @@ def _series(
         signal=track.signal,
         quantity=quantity,
         share=share,
+        threshold_sigmas=mean_threshold_sigmas(
+            width, width, epoch_s, config.false_alarms_per_hour * share, sides=1
+        ),
     )
 
 

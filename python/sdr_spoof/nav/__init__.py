@@ -1,0 +1,1 @@
+"""Navigation: time, ephemerides, messages, from bits of the air to satellite positions."""
