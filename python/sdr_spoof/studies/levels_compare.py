@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 STANDARD_ERRORS = 4.0
 LEAST_P = 6.3e-5
 """Two-sided probability of 4 standard errors."""
+NOTHING = 1e-6
+"""Deviates this far apart are equal."""
 REFERENCES = {
     "phase_difference_glr": "phase_difference_glr_reference_s",
     "code_difference": "code_difference_reference_s",
@@ -66,14 +68,17 @@ class Observed:
 def observe(log: TrackLog, config: DetectionConfig, from_s: float = 0.0) -> list[Observed]:
     """Every series of a log, its deviates from a time on and its alarm.
 
-    What is of a whole band, and the same for every satellite, counts once.
+    What all satellites share, the noise floor of a band, is taken once.
     """
-    found: dict[tuple[Name, int], Observed] = {}
+    shared = set()
+    found = []
     for series in statistics(log, config):
-        observed = _observed(series, config, from_s)
-        of_band = observed.name[2] == noise_floor.QUANTITY
-        found.setdefault((observed.name, 0 if of_band else series.prn), observed)
-    return list(found.values())
+        if series.quantity == noise_floor.QUANTITY:
+            if series.signal in shared:
+                continue
+            shared.add(series.signal)
+        found.append(_observed(series, config, from_s))
+    return found
 
 
 def _observed(series: StatisticSeries, config: DetectionConfig, from_s: float) -> Observed:
@@ -212,7 +217,7 @@ def _pair(tested: list[list[Observed]], number: Callable[[Observed], float]) -> 
     if min(x.size for x in each) < 2:
         return Pair(seen, made, float("nan"), 0.0)
     error = float(np.sqrt(sum(x.var(ddof=1) / x.size for x in each)))
-    if error <= 1e-9 * max(abs(seen), abs(made)):  # all the same, as rises of power are 0
+    if error <= NOTHING:  # all the same, as rises of power are 0
         return Pair(seen, made, 0.0, 0.0)
     (a, b), (m, n) = (x.std(ddof=1) for x in each), (x.size for x in each)
     p = float(ttest_ind_from_stats(seen, a, m, made, b, n, equal_var=False).pvalue)
