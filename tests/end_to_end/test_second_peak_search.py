@@ -12,7 +12,7 @@ from sdr_spoof.scenario import Scenario, builtin_scenario, synthesize
 def short(attack):
     """The scenario ``asynchronous``, shorter, with two satellites."""
     values = builtin_scenario("asynchronous").model_dump()
-    values["recording"]["duration_s"] = 3.0
+    values["recording"]["duration_s"] = 3.5
     values["satellite"] = values["satellite"][:2]
     values["attack"] = [{**a, "start_s": 0.5} for a in values["attack"]] if attack else []
     return Scenario.model_validate(values)
