@@ -16,7 +16,7 @@ import numpy as np
 from scipy.stats import ks_2samp, norm, ttest_ind
 
 from sdr_spoof.detectors import StatisticSeries
-from sdr_spoof.fusion import per_test
+from sdr_spoof.fusion import share_of
 from sdr_spoof.verdict import statistics
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def observe(log: TrackLog, config: DetectionConfig, from_s: float = 0.0) -> list
 
 
 def _observed(series: StatisticSeries, config: DetectionConfig, from_s: float) -> Observed:
-    threshold = series.threshold(per_test(config).false_alarm_probability)
+    threshold = series.threshold(share_of(config).false_alarm_probability)
     alarms = series.time_s[np.abs(series.value) > threshold]
     kept = series.time_s >= from_s
     deviate, time_s = (series.value / series.sigma)[kept], series.time_s[kept]
