@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sdr_spoof import detectors
-from sdr_spoof.detectors import DetectionConfig, delta_metric, noise_floor, power
+from sdr_spoof.detectors import DetectionConfig, delta_metric, noise_floor, power, second_peak
 from sdr_spoof.records import Alarm
 from sdr_spoof.signals import signal_spec
 
@@ -84,8 +84,12 @@ def _named(kind: str, signals: Sequence[str], alarms: Sequence[Alarm]) -> set[st
     of_kind = [
         a
         for a in alarms
-        # The floor is one of all satellites: it says nothing of this one's bands.
-        if a.band in signals and kind_of(a) == kind and a.quantity != noise_floor.QUANTITY
+        # The floor is one of all satellites, a second peak is of two transmitters: neither says
+        # which band was captured.
+        if a.band in signals
+        and kind_of(a) == kind
+        and a.quantity != noise_floor.QUANTITY
+        and a.detector != second_peak.NAME
     ]
     own = {a.band for a in of_kind if a.detector != SHARED_LOOP}
     shared = {a.band for a in of_kind if a.detector == SHARED_LOOP}

@@ -33,6 +33,7 @@ from sdr_spoof.detectors import (
     code_difference,
     code_minus_carrier,
     phase_difference_rate,
+    second_peak,
 )
 from sdr_spoof.detectors.phase_difference import epoch_of, scaled_difference, settled
 from sdr_spoof.detectors.presence import present
@@ -62,7 +63,8 @@ def explains(
 ) -> bool:
     """Whether an echo that came, went or moved can have raised all these alarms."""
     kinds = {kind_of(a) for a in alarms}
-    if "power" in kinds or any(a.detector == phase_difference_rate.NAME for a in deciding):
+    beyond = (phase_difference_rate.NAME, second_peak.NAME)
+    if "power" in kinds or any(a.detector in beyond for a in deciding):
         return False
     first_s = min(deciding, key=lambda a: a.alarm_s).onset_s
     bent_s = bent(log, satellite, alarms)

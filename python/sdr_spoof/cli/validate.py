@@ -91,7 +91,7 @@ def _study(arguments: argparse.Namespace, folder: Path, progress: Any) -> dict[s
     if arguments.study == "levels":
         from sdr_spoof.studies import levels  # noqa: PLC0415
 
-        return levels.run(folder, runs=max(2, round(18 * share)), progress=progress)
+        return levels.run(folder, runs=max(2, round(16 * share)), progress=progress)
     from sdr_spoof.studies import tracking  # noqa: PLC0415
 
     duration_s = max(6.0, 30.0 * share)

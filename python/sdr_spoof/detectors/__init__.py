@@ -19,6 +19,7 @@ from sdr_spoof.detectors import (
     power,
     power_difference,
     ratio_metric,
+    second_peak,
 )
 from sdr_spoof.detectors.config import DetectionConfig
 from sdr_spoof.detectors.series import StatisticSeries
@@ -123,6 +124,16 @@ DETECTORS: dict[str, Detector] = {
             "only",
             power_difference.statistics,
             "quality",
+        ),
+        Detector(
+            second_peak.NAME,
+            "Second peak",
+            "whether a search finds a second signal of the satellite, well away from the tracked "
+            "one",
+            "a second signal within ten chips of the tracked one, or below the search's threshold; "
+            "one that is on the air between two searches only; one on a signal that is not "
+            "searched (B1C, where B1I is tracked); which of both signals is the true one",
+            second_peak.statistics,
         ),
     )
 }

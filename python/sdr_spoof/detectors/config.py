@@ -24,6 +24,7 @@ class DetectionConfig(BaseModel):
             "ratio_metric_variance",
             "power",
             "power_difference",
+            "second_peak",
         ),
         min_length=1,
         description="Detectors to run, by registry name.",

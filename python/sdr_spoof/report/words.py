@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from sdr_spoof import _core, detectors, signals
-from sdr_spoof.detectors import noise_floor, power, power_difference
+from sdr_spoof.detectors import noise_floor, power, power_difference, second_peak
 from sdr_spoof.detectors.series import LOG10_P_FLOOR
 from sdr_spoof.fusion import BOTH_CHANGED, deciding, evidence_of
 from sdr_spoof.records import Alarm, SatelliteVerdict, Verdict
@@ -52,6 +52,8 @@ def satellite_sentence(satellite: SatelliteVerdict) -> str:
         return f"{who}: {_what(satellite.alarms[0])}{since}."
     if satellite.action.endswith(BOTH_CHANGED):
         return f"{who}: spoofed in both bands{since}."
+    if all(a.detector == second_peak.NAME for a in deciding(satellite.alarms)):
+        return f"{who}: {second_peak.CAUSE}{since}."
     if satellite.band is None:
         return f"{who}: spoofed, in which band cannot be told{since}."
     return f"{who}: its {band_name(satellite.band)} signal has been captured{since}."

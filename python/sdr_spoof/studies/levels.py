@@ -80,7 +80,7 @@ def tracks(
         )
 
 
-def run(output: Path, *, runs: int = 18, progress: Progress | None = None) -> dict[str, Any]:
+def run(output: Path, *, runs: int = 16, progress: Progress | None = None) -> dict[str, Any]:
     """Compare every case; write levels.{json,csv,png}.
 
     Args:

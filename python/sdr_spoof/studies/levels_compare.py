@@ -15,7 +15,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.stats import ks_2samp, norm, ttest_ind
 
+<<<<<<< HEAD
 from sdr_spoof.detectors import StatisticSeries
+=======
+from sdr_spoof.detectors import StatisticSeries, noise_floor
+>>>>>>> main
 from sdr_spoof.fusion import share_of
 from sdr_spoof.verdict import statistics
 
@@ -32,6 +36,8 @@ if TYPE_CHECKING:
 STANDARD_ERRORS = 4.0
 LEAST_P = 6.3e-5
 """Two-sided probability of 4 standard errors."""
+NOTHING = 1e-6
+"""Deviates this far apart are equal."""
 REFERENCES = {
     "phase_difference_glr": "phase_difference_glr_reference_s",
     "code_difference": "code_difference_reference_s",
@@ -41,6 +47,8 @@ REFERENCES = {
     "ratio_metric": "quality_reference_s",
     "ratio_metric_variance": "quality_reference_s",
     "power": "power_reference_s",
+    "power_difference": "power_difference_reference_s",
+    "power_difference": "power_difference_reference_s",
 }
 """Setting that holds the reference of a detector; others have none."""
 Name = tuple[str, str, str]
@@ -63,8 +71,19 @@ class Observed:
 
 
 def observe(log: TrackLog, config: DetectionConfig, from_s: float = 0.0) -> list[Observed]:
-    """Every series of a log, its deviates from a time on and its alarm."""
-    return [_observed(series, config, from_s) for series in statistics(log, config)]
+    """Every series of a log, its deviates from a time on and its alarm.
+
+    What all satellites share, the noise floor of a band, is taken once.
+    """
+    shared = set()
+    found = []
+    for series in statistics(log, config):
+        if series.quantity == noise_floor.QUANTITY:
+            if series.signal in shared:
+                continue
+            shared.add(series.signal)
+        found.append(_observed(series, config, from_s))
+    return found
 
 
 def _observed(series: StatisticSeries, config: DetectionConfig, from_s: float) -> Observed:
@@ -203,7 +222,7 @@ def _pair(tested: list[list[Observed]], number: Callable[[Observed], float]) -> 
     if min(x.size for x in each) < 2:
         return Pair(seen, made, float("nan"), 0.0)
     error = float(np.sqrt(sum(x.var(ddof=1) / x.size for x in each)))
-    if error <= 1e-9 * max(abs(seen), abs(made)):  # all the same, as rises of power are 0
+    if error <= NOTHING:  # all the same, as rises of power are 0
         return Pair(seen, made, 0.0, 0.0)
     p = float(ttest_ind(each[0], each[1], equal_var=False).pvalue)
     return Pair(seen, made, error, float(np.sign(made - seen) * norm.isf(p / 2.0)))

@@ -68,6 +68,6 @@ def _latencies(axes: Any, found: Sequence[Comparison]) -> None:
     axes.set(
         xlabel="from the drag's start to the alarm, s",
         ylabel="share of tracks",
-        title="Latency at 30, 38, 45 dB-Hz (dashed: correlator)",
+        title="30, 38, 45 dB-Hz (dashed: correlator)",
     )
     axes.legend(frameon=False)
