@@ -15,11 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.stats import ks_2samp, norm, ttest_ind
 
-<<<<<<< HEAD
-from sdr_spoof.detectors import StatisticSeries
-=======
 from sdr_spoof.detectors import StatisticSeries, noise_floor
->>>>>>> main
 from sdr_spoof.fusion import share_of
 from sdr_spoof.verdict import statistics
 
@@ -47,7 +43,6 @@ REFERENCES = {
     "ratio_metric": "quality_reference_s",
     "ratio_metric_variance": "quality_reference_s",
     "power": "power_reference_s",
-    "power_difference": "power_difference_reference_s",
     "power_difference": "power_difference_reference_s",
 }
 """Setting that holds the reference of a detector; others have none."""
