@@ -28,7 +28,8 @@ def test_every_detector_says_the_same_of_clean_signals() -> None:
     seen = [o for run in tracks(plan, "if", 1, QUICK) for o in run]
     made = [o for run in tracks(plan, "correlator", 8, QUICK) for o in run]
     found = compare("clean", 38.0, seen, made, DRAG_S)
-    assert {c.name[0] for c in found} == set(QUICK.detectors)
+    # No search for second signals is made beside tracking.
+    assert {c.name[0] for c in found} == set(QUICK.detectors) - {"second_peak"}
     for c in found:
         shared = c.name[2] == noise_floor.QUANTITY
         assert c.tracks == ((1, 8) if shared else (2, 16)), c.name
