@@ -7,9 +7,10 @@ A18 (CNV1).
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .ephemeris import CNAV1, D1, D2, LNAV, Ephemeris
+from .plausible import objection
 from .rinex_lines import MalformedError
 from .time import WEEK_S, GnssTime
 from .weeks import nearest
@@ -55,17 +56,6 @@ SAME = (
     "a0", "a1", "a2", "e", "m0", "delta_n", "omega0", "i0", "omega", "omega_dot", "i_dot",
     "cuc", "cus", "crc", "crs", "cic", "cis",
 )  # fmt: skip
-RANGES = {
-    "e": (0.0, 0.5),
-    "sqrt_a": (4500.0, 7500.0),
-    "toe": (0.0, WEEK_S),
-    "i0": (-math.pi, math.pi),
-    "a0": (-0.1, 0.1),
-    "iode": (0, 1023),
-    "iodc": (0, 1023),
-    "health": (0, 1023),
-}
-"""What a satellite of GPS or BDS can have."""
 UNKNOWN_TOW_S = 2 * WEEK_S
 NORMAL_FIT_H, LONG_FIT_H = 4.0, 6.0
 
@@ -76,13 +66,13 @@ def ephemeris(message: str, prn: int, toc: GnssTime, fields: Mapping[str, float]
     Raises:
         MalformedError: if a quantity is out of range.
     """
-    for name, (low, high) in RANGES.items():
-        if not low <= fields[name] <= high:
-            raise MalformedError(f"{name} is {fields[name]:g}, must be from {low:g} to {high:g}")
     system = SYSTEMS[message]
+    if not 0.0 <= fields["toe"] < WEEK_S:
+        raise MalformedError(f"toe is {fields['toe']:g}, must be within the week")
     sent = fields["transmitted"]
     known = abs(sent) < UNKNOWN_TOW_S
-    return Ephemeris(
+    same: dict[str, Any] = {name: fields[name] for name in SAME}
+    found = Ephemeris(
         system=system,
         prn=prn,
         message=message,
@@ -98,8 +88,12 @@ def ephemeris(message: str, prn: int, toc: GnssTime, fields: Mapping[str, float]
         accuracy_m=fields.get("accuracy_m", math.nan),
         group_delays_s=_delays(message, fields),
         fit_interval_s=_fit_s(fields.get("fit", 0.0)),
-        **{name: fields[name] for name in SAME},
+        **same,
     )
+    why = objection(found)
+    if why is not None:
+        raise MalformedError(why)
+    return found
 
 
 def _fit_s(hours: float) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -129,9 +130,13 @@ class SubframeMessage(ABC):
         signs = np.array([f.sign for f in found], dtype=np.float32)
         bits, corrected, doubt = self.correct(windows(values, starts) * signs[:, None], noise)
         good = self.whole(found, values) & (doubt.sum(axis=1) < TRUSTED)
-        times = self._times(found, bits, good, near)
+        times, told = self._times(found, bits, good, near)
         return [
-            self._frame(run, f, bits[n], bool(good[n]), times[n], int(corrected[n].sum()))
+            replace(
+                self._frame(run, f, bits[n], bool(good[n]), int(corrected[n].sum())),
+                transmitted=times[n],
+                week_known=told,
+            )
             for n, f in enumerate(found)
         ]
 
@@ -141,7 +146,6 @@ class SubframeMessage(ABC):
         found: Found,
         bits: NDArray[np.uint8],
         good: bool,
-        time: GnssTime | None,
         corrected: int,
     ) -> Frame:
         return Frame(
@@ -151,8 +155,7 @@ class SubframeMessage(ABC):
             message=self.name,
             number=found.index % 5 + 1,
             page=self.page(found.index, bits) if good else 0,
-            transmitted=time or self.start(0, found.index),
-            week_known=time is not None,
+            transmitted=self.start(0, found.index),
             bits=bits,
             code_phase_chips=float(run.code_phase_chips[found.start]),
             time_s=float(run.time_s[found.start]),
@@ -168,8 +171,8 @@ class SubframeMessage(ABC):
         bits: NDArray[np.uint8],
         good: NDArray[np.bool_],
         near: GnssTime | None,
-    ) -> list[GnssTime | None]:
-        """When each left; None where the week is not known."""
+    ) -> tuple[list[GnssTime], bool]:
+        """When each left, and whether a subframe told the week."""
         known, at = near, None
         for n, f in enumerate(found):
             if good[n] and self.tells_week(f.index % 5 + 1, self.page(f.index, bits[n])):
@@ -177,9 +180,10 @@ class SubframeMessage(ABC):
                 known, at = self.start(week, f.index), f.start
                 break
         if known is None:
-            return [None] * len(found)
+            return [self.start(0, f.index) for f in found], False
         since = [0.0 if at is None else (f.start - at) * self.symbol_s for f in found]
-        return [self._near(f.index, known + s) for f, s in zip(found, since, strict=True)]
+        times = [self._near(f.index, known + s) for f, s in zip(found, since, strict=True)]
+        return times, at is not None
 
     def _near(self, index: int, near: GnssTime) -> GnssTime:
         second, later = self.begins(index)

@@ -35,9 +35,7 @@ def nearest(system: str, tow_s: float, near: GnssTime) -> GnssTime:
 
 
 def dated(frame: Frame, near: GnssTime) -> Frame:
-    """A frame whose week is not known, in the week that brings it nearest to an instant."""
-    if frame.week_known:
-        return frame
+    """A frame in the week that brings it nearest to an instant."""
     second = (frame.transmitted.seconds - SYSTEM_EPOCH_S[frame.system]) % WEEK_S
     time = nearest(frame.system, second, near) + frame.transmitted.fraction
     return replace(frame, transmitted=time, week_known=True)
