@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 
 mod acquire;
 mod bench;
+mod fec;
 mod fixes;
 mod navigation;
 mod signals;
@@ -27,6 +28,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     bench::register(m)?;
     navigation::register(m)?;
     fixes::register(m)?;
+    fec::register(m)?;
     // Load numpy's C interface here, where an error can be raised: loaded on first use, it would
     // panic when Ctrl-C comes in between.
     m.py().import("numpy")?;
