@@ -164,9 +164,7 @@ def _candidates(run: SymbolRun, start: int | None) -> Iterator[_Rows]:
         yield _cut(run.prn, values, offset, inverted, soh)
 
 
-def _cut(
-    prn: int, values: NDArray[np.float32], offset: int, inverted: bool, soh: int
-) -> _Rows:
+def _cut(prn: int, values: NDArray[np.float32], offset: int, inverted: bool, soh: int) -> _Rows:
     """Frames from the one before ``offset`` to the last that has begun."""
     before = -offset % FRAME_SYMBOLS
     count = -(-(before + values.size) // FRAME_SYMBOLS)
