@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 
 mod acquire;
 mod bench;
+mod fec;
 mod signals;
 mod simulate;
 mod synth;
@@ -23,6 +24,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     track::register(m)?;
     simulate::register(m)?;
     bench::register(m)?;
+    fec::register(m)?;
     // Load numpy's C interface here, where an error can be raised: loaded on first use, it would
     // panic when Ctrl-C comes in between.
     m.py().import("numpy")?;
