@@ -183,12 +183,26 @@ def test_dropped_samples_give_a_new_anchor() -> None:
     run = _with_gap(air("D1", 27, FRAME_START, 60.0), 1400, 31)
     navigation = decode_runs([run])
     before, after = navigation.anchors
+    (note,) = navigation.notes
+    assert "C27 B1I: its time jumps by +0.620 s" in note
     rate = signal_spec("B1I").chip_rate_hz
     assert before.until_s <= 1400 * 0.02 + 1e-9 < after.from_s
     assert before.transmitted - FRAME_START == pytest.approx(before.code_phase_chips / rate)
     later = after.transmitted - FRAME_START - after.code_phase_chips / rate
     assert later == pytest.approx(31 * 0.02)
     assert [f.ok for f in navigation.frames] == [True] * 4 + [True] * 4 + [False]
+
+
+@pytest.mark.parametrize(("message", "prn"), [("D2", 3), ("LNAV", 12)])
+def test_after_dropped_samples_plain_codes_tell_no_exact_time(message, prn) -> None:
+    start = FRAME_START if message != "LNAV" else FRAME_START + -14.0
+    run = _with_gap(air(message, prn, start, 3000 * MESSAGES[message].symbol_s), 1400, 31)
+    navigation = decode_runs([run], NOON)
+    (anchor,) = navigation.anchors
+    assert anchor.until_s <= 1400 * run.symbol_s + 1e-9
+    (note,) = navigation.notes
+    assert "missing from the recording" in note
+    assert len(navigation.frames) > 7
 
 
 def test_one_misread_time_does_not_move_the_anchor() -> None:
