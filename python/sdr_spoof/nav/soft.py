@@ -13,13 +13,19 @@ SURPRISE = 1e-8
 """Chance, word by word, of something other than Gaussian noise: a half-cycle slip, interference."""
 
 
-def doubt(costs: NDArray[np.float64], noise: float) -> NDArray[np.float64]:
+def doubt(
+    costs: NDArray[np.float64], weight: NDArray[np.float32], more: int, noise: float
+) -> NDArray[np.float64]:
     """Probability (N,) that the cheapest of several explanations (N, K) of a word is wrong.
 
-    A cost is the sum of the magnitudes of the symbols of amplitude 1 that would be wrong: in noise
-    of variance s^2, errors of cost c have the weight exp(-2 c / s^2).
+    A cost is the sum of the magnitudes ``weight`` (N, symbols) of the symbols of amplitude 1 that
+    would be wrong: in noise of variance s^2, errors of cost c have the weight exp(-2 c / s^2).
+    Those of ``more`` symbols or beyond are not among the explanations; they count as if they were the
+    weakest symbols, or as the cheapest explanation if that costs more.
     """
     least = costs.min(axis=1, initial=np.inf)
+    weakest = np.partition(weight, more, axis=1)[:, :more].sum(axis=1, dtype=np.float64)
+    costs = np.concatenate([costs, np.maximum(weakest, least)[:, None]], axis=1)
     exponents = -2.0 * (costs - least[:, None]) / noise**2
     others = np.exp(np.maximum(exponents, -700.0)).sum(axis=1) - 1.0
     others += SURPRISE * np.exp(np.minimum(2.0 * least / noise**2, 700.0))
