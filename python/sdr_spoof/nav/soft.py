@@ -20,8 +20,8 @@ def doubt(
 
     A cost is the sum of the magnitudes ``weight`` (N, symbols) of the symbols of amplitude 1 that
     would be wrong: in noise of variance s^2, errors of cost c have the weight exp(-2 c / s^2).
-    Those of ``more`` symbols or beyond are not among the explanations; they count as if they were the
-    weakest symbols, or as the cheapest explanation if that costs more.
+    Those of ``more`` symbols or beyond are not among the explanations; they count as if the weakest
+    symbols were wrong, or as the cheapest explanation if that costs more.
     """
     least = costs.min(axis=1, initial=np.inf)
     weakest = np.partition(weight, more, axis=1)[:, :more].sum(axis=1, dtype=np.float64)
