@@ -8,7 +8,8 @@
 use nalgebra::{DMatrix, DVector, Matrix4, Vector3};
 use rayon::prelude::*;
 
-use super::batch::{Column, Status};
+use super::batch::Column;
+use super::fix::Status;
 use super::geodesy::{enu, WGS84};
 use super::least_squares::{distinct, inverse_normal, Unknowns};
 use super::measurement::{geometry, range_rate, Correction, Measurement, Settings};
@@ -131,8 +132,7 @@ impl Problem<'_> {
         if best.freedom == 0 {
             return Status::Unchecked;
         }
-        let thresholds = &self.settings.thresholds;
-        let most = thresholds[best.freedom.min(thresholds.len()) - 1];
+        let most = self.settings.threshold(best.freedom);
         let rival = |s: &Snapshot| {
             s.square_sum <= most && (s.position - best.position).norm() > SAME_PLACE_M
         };
