@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from .ephemerides import Choice
     from .solution import Layout
 
-    Found = tuple[int, list[float], float, list[float], list[float], float, int]
+    Found = tuple[int, list[float], float, list[float], list[float], float, int, int | None]
 
 LIGHT_M_S = 299_792_458.0
 TOLD_APART = 1e-3
@@ -84,7 +84,8 @@ def snapshot(
     """A single fix from code phases, Earth-fixed place (3,) and GPST of the snapshot.
 
     Place and time may be off by what the configuration says. ``clock_m`` of the fix is how much
-    ``time`` is ahead, so that :meth:`Fixes.time` gives the time found. The status is UNCHECKED
+    ``time`` is ahead, so that :meth:`Fixes.time` gives the time found. One satellite that
+    contradicts all others is left out (``raim_exclusions`` permitting). The status is UNCHECKED
     where there are only as many satellites as unknowns (5, or 6 with two systems), or where
     another place fits too.
 
@@ -177,6 +178,7 @@ def _fixes(
     else:
         left = np.array(found[4])
         cause[0, chosen] = np.where(np.isfinite(left), Cause.USED, Cause.LOW)
+        cause[0, [k for k in chosen if layout.columns[k][0] == found[7]]] = Cause.RESIDUAL
         columns |= _found(found, chosen, columns)
         angles = _directions(choice, observations.reference + found[2], found[1])
     return Fixes(
@@ -211,7 +213,7 @@ def _found(
     found: Found, chosen: Sequence[int], empty: dict[str, NDArray[Any]]
 ) -> dict[str, NDArray[Any]]:
     """Columns that a snapshot tells."""
-    status, place, time_s, covariance, left, square_sum, freedom = found
+    status, place, time_s, covariance, left, square_sum, freedom, _ = found
     residual = empty["residual_m"].copy()
     residual[0, chosen] = left
     return {

@@ -16,6 +16,7 @@ pub mod least_squares;
 pub mod measurement;
 pub mod orbit;
 pub mod raim;
+pub mod search;
 pub mod snapshot;
 pub mod troposphere;
 pub mod velocity;
