@@ -238,6 +238,7 @@ def solve_fixes(
     ekf: dict[str, float] | None = ...,
     threads: int = ...,
 ) -> dict[str, NDArray[Any]]: ...
+
 # error control of navigation messages
 @final
 class Cnav1Frame:
