@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from sdr_spoof.nav.bcnav1 import BCnav1Message
 from sdr_spoof.nav.broadcast import Bdgim, Broadcast, TimeOffset, UtcParameters
 from sdr_spoof.nav.ephemeris import CNAV1, Ephemeris
@@ -39,7 +40,10 @@ def broadcast(**changes: object) -> Broadcast:
         "ephemerides": (own, *others, inclined),
         "bdgim": Bdgim((21.5, -1.25, 3.0, 4.5, -6.125, 0.5, -0.25, 1.0, -2.0)),
         "utc": UtcParameters("C", 1.2e-9, -3e-15, START + 7.0, 4, 890, 3, 4, 1e-20),
-        "offsets": (TimeOffset("C", "G", -7.5e-9, 2e-15, START), TimeOffset("C", "E", 1e-8, 0, START)),
+        "offsets": (
+            TimeOffset("C", "G", -7.5e-9, 2e-15, START),
+            TimeOffset("C", "E", 1e-8, 0, START),
+        ),
     }
     return Broadcast(**{**values, **changes})  # type: ignore[arg-type]
 

@@ -98,7 +98,7 @@ class BCnav1Message:
 
         Args:
             run: symbols of the data component; of either sign, which may change between frames.
-            near: tells the week where no frame does.
+            near: tells which of the weeks that have the number sent.
             start: a symbol with which a frame begins, up to multiples of 1800, where it is known
                 from the pilot's secondary code.
         """
@@ -152,7 +152,7 @@ def _encode_frame(
 
 def _candidates(run: SymbolRun, start: int | None) -> Iterator[_Rows]:
     """Ways to cut a run into frames, the likeliest first."""
-    values = np.ascontiguousarray(run.values, dtype=np.float32)
+    values = np.where(np.isfinite(run.values), run.values, 0.0).astype(np.float32)
     if start is not None:
         shift = start % FRAME_SYMBOLS
         # Where the start is given, the subframe 1 that is there tells the sign and the number.
@@ -164,9 +164,7 @@ def _candidates(run: SymbolRun, start: int | None) -> Iterator[_Rows]:
         yield _cut(run.prn, values, offset, inverted, soh)
 
 
-def _cut(
-    prn: int, values: NDArray[np.float32], offset: int, inverted: bool, soh: int
-) -> _Rows:
+def _cut(prn: int, values: NDArray[np.float32], offset: int, inverted: bool, soh: int) -> _Rows:
     """Frames from the one before ``offset`` to the last that has begun."""
     before = -offset % FRAME_SYMBOLS
     count = -(-(before + values.size) // FRAME_SYMBOLS)
@@ -184,7 +182,7 @@ def _cut(
 def _frames(
     run: SymbolRun, rows: _Rows, decoded: Sequence[_core.Cnav1Frame], near: GnssTime | None
 ) -> list[Frame]:
-    """Frames of which a check holds, in order; none if no time can be told."""
+    """Frames of which a check holds, in order; none if no subframe 2 tells the time."""
     present = (rows.values != 0).mean(axis=1) >= PRESENT_AT_LEAST
     good = [n for n, d in enumerate(decoded) if present[n] and (d.ok2 or d.ok3)]
     named = [n for n in good if rows.values[n, :FIRST_SYMBOLS].any()]
@@ -203,22 +201,16 @@ def _reference(
     good: Sequence[int],
     near: GnssTime | None,
 ) -> tuple[int, GnssTime] | None:
-    """A frame, and when it was sent.
+    """The first frame whose subframe 2 holds, and when it was sent.
 
-    The first subframe 2 that holds tells hour and week. Without one, the frame's number in the
-    hour and a time near by tell.
+    Only that tells hour and week; frames of which subframe 3 alone holds count from it.
     """
     for n in good:
         if decoded[n].ok2:
             week, hour = _hour(decoded[n])
             within = hour * HOUR_FRAMES + (rows.soh + n) % HOUR_FRAMES
             return n, GnssTime.of_week(full_week("C", week, near), within * FRAME_S, "C")
-    if not good or near is None:
-        return None
-    within = FRAME_S * ((rows.soh + good[0]) % HOUR_FRAMES)
-    week, tow = near.week_tow("C")
-    hours = round((tow - within) / HOUR_S)
-    return good[0], GnssTime.of_week(week, 0.0, "C") + float(hours * HOUR_S + within)
+    return None
 
 
 def _hour(decoded: _core.Cnav1Frame) -> tuple[int, int]:

@@ -92,9 +92,7 @@ def _fill_offset(bits: Bits, offset: TimeOffset) -> None:
     fields.BGTO.write(bits, values | {"a0": a0, "a1": a1, "a2": offset.a2})
 
 
-def _on_step(
-    reference: GnssTime, a0: float, a1: float, a2: float
-) -> tuple[GnssTime, float, float]:
+def _on_step(reference: GnssTime, a0: float, a1: float, a2: float) -> tuple[GnssTime, float, float]:
     """A polynomial about the time before it that the message can tell."""
     week, tow = reference.week_tow("C")
     step = tow // fields.OFFSET_STEP_S * fields.OFFSET_STEP_S

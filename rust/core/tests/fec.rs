@@ -3,20 +3,14 @@
 use proptest::prelude::*;
 use sdr_spoof_core::fec::{bch15, cnav1, crc24q, ldpc64};
 
-/// Words of 4 bits as a receiver logged them from a BDS-3 satellite in week 941 (January 2024):
-/// test data of the public receiver Pocket SDR, test/sdr_ldpc_test.py. It stores them inverted.
-const RECEIVED2: &str = "E29417E5E488CFF56B7400A6E5A913FFDDFDA2BC2D24FFDE13646E5871242E58AF0ABB304\
-    DEDF129AA1F300113FF63FF5C33FE285BF9EF7FF77D446CEC29AFFB643FF850009735FF68647622A2022B600C9CDB8\
-    62DACD6F7631DCA245DF40282E5EFA760FEE9B388139C4556285A26804BBB190A362A57170332578BDD0CC86477BE7\
-    2F8652E50BFFDC15657AEB45B0CA4D72DF218CA";
-const RECEIVED3: &str =
-    "FBFFF43E4E32A1BB5BCB5F7FEFBF80040FFFFFFB92D8E297F08FDFFFFFFF8BAD2ED0ED560D\
-    1E7B17EF7E1D466C7E14095B753528732B0DBBED18F225F8E1BC388956";
+/// Code words that a satellite sent.
+const RECEIVED: &str = include_str!("../../../tests/vectors/messages/bcnav1.txt");
 
-fn bits_of(hex: &str) -> Vec<u8> {
-    let digits = hex.chars().filter_map(|c| c.to_digit(16));
+fn received(name: &str) -> Vec<u8> {
+    let line = RECEIVED.lines().find_map(|l| l.strip_prefix(name)).unwrap();
+    let digits = line.chars().filter_map(|c| c.to_digit(16));
     digits
-        .flat_map(|d| (0..4).rev().map(move |k| 1 - (d >> k & 1) as u8))
+        .flat_map(|d| (0..4).rev().map(move |k| (d >> k & 1) as u8))
         .collect()
 }
 
@@ -49,11 +43,11 @@ impl Normal {
 
 #[test]
 fn words_received_from_a_satellite_satisfy_both_codes() {
-    for (hex, code) in [
-        (RECEIVED2, ldpc64::subframe2()),
-        (RECEIVED3, ldpc64::subframe3()),
+    for (name, code) in [
+        ("subframe2", ldpc64::subframe2()),
+        ("subframe3", ldpc64::subframe3()),
     ] {
-        let word = bits_of(hex);
+        let word = received(name);
         assert_eq!(word.len(), code.length());
         assert!(code.checks(&word));
         let information = &word[..code.information()];

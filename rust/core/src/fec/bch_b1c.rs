@@ -151,10 +151,10 @@ mod tests {
             assert_eq!(number(&PRN.word(prn)), word, "PRN {prn}");
         }
         for (soh, word) in [
-            (1, 0x00F3_A905_B4BE3),
-            (2, 0x0114_FB0E_DDC25),
-            (100, 0x3237_833D_0D136),
-            (199, 0x63F2_4E57_BFD74),
+            (1, 0x0F3A_905B_4BE3),
+            (2, 0x114F_B0ED_DC25),
+            (100, 0x3_2378_33D0_D136),
+            (199, 0x6_3F24_E57B_FD74),
         ] {
             assert_eq!(number(&SOH.word(soh)), word, "SOH {soh}");
         }

@@ -11,7 +11,7 @@ pub const LENGTH: usize = 24;
 pub fn crc24q(bits: &[u8]) -> u32 {
     bits.iter().fold(0, |crc, &bit| {
         let feedback = (crc >> 23) ^ u32::from(bit & 1);
-        (crc << 1) & MASK ^ feedback * GENERATOR
+        ((crc << 1) & MASK) ^ (feedback * GENERATOR)
     })
 }
 
