@@ -64,7 +64,9 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
     return Outcome({"study": arguments.study, "output": folder, **result}, render)
 
 
-def _study(arguments: argparse.Namespace, folder: Path, progress: Any) -> dict[str, Any]:
+def _study(  # noqa: PLR0911 - one return for each study
+    arguments: argparse.Namespace, folder: Path, progress: Any
+) -> dict[str, Any]:
     share = arguments.scale / 100
     if arguments.study == "acquisition":
         from sdr_spoof.studies import acquisition  # noqa: PLC0415 - scipy is slow to import
