@@ -26,9 +26,9 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     track::register(m)?;
     simulate::register(m)?;
     bench::register(m)?;
+    fec::register(m)?;
     navigation::register(m)?;
     fixes::register(m)?;
-    fec::register(m)?;
     // Load numpy's C interface here, where an error can be raised: loaded on first use, it would
     // panic when Ctrl-C comes in between.
     m.py().import("numpy")?;
