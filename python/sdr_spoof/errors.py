@@ -22,3 +22,7 @@ class SignalError(SdrSpoofError, ValueError):
 
 class OutputError(SdrSpoofError, OSError):
     """An output cannot be written: it exists already, or the disk is full."""
+
+
+class NavigationError(SdrSpoofError, ValueError):
+    """Navigation data are wrong: a file that is none, a value that does not fit its message."""
