@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from .acquisition import AcquisitionConfig
 from .detectors import DetectionConfig
+from .observables import ObservablesConfig
 from .tracking import TrackingConfig
 from .validation import Location, in_file, load_toml, validated
 
@@ -40,6 +41,10 @@ class Config(BaseModel):
     )
     detection: DetectionConfig = Field(
         default_factory=DetectionConfig, description="spoofing detectors and their thresholds"
+    )
+    observables: ObservablesConfig = Field(
+        default_factory=ObservablesConfig,
+        description="pseudorange, carrier phase and Doppler at common receiver times",
     )
 
 

@@ -61,9 +61,7 @@ class ClockPiece:
         """Receiver time at a sample."""
         return self.time + (sample_time_s - self.sample_s) * (1.0 + self.rate)
 
-    def samples_at(
-        self, reference: GnssTime, time_s: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def samples_at(self, reference: GnssTime, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
         """Sample times at receiver times; ``time_s`` counts from ``reference``."""
         offset_s = (reference.seconds - self.time.seconds) + (
             reference.fraction - self.time.fraction
@@ -74,9 +72,7 @@ class ClockPiece:
         """The same clock less what a fix at a sample found it to be fast, and to gain."""
         true = self.at(sample_s) + (-bias_s)
         rate = (1.0 + self.rate) * (1.0 - drift) - 1.0
-        return ClockPiece(
-            self.sample_s, true + (self.sample_s - sample_s) * (1.0 + rate), rate
-        )
+        return ClockPiece(self.sample_s, true + (self.sample_s - sample_s) * (1.0 + rate), rate)
 
 
 @dataclass(frozen=True)
@@ -113,8 +109,7 @@ def plausible(span: Span, piece: ClockPiece) -> bool:
 
 
 def _stretches(spans: Sequence[Span]) -> list[list[Span]]:
-    """Spans that hang together in time, in order; those of one satellite overlap those of others.
-    """
+    """Spans in order of time, gathered wherever one begins before all others have ended."""
     groups: list[list[Span]] = []
     until_s = -math.inf
     for span in sorted(spans, key=lambda s: s.from_s):

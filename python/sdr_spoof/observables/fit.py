@@ -35,25 +35,24 @@ class Stencil:
     def values(self, column: NDArray[np.float64]) -> NDArray[np.float64]:
         """Value of a column at each instant, (M,)."""
         first = column[self.rows[:, 0]]
-        return first + np.sum(self.value * (column[self.rows] - first[:, None]), axis=1)
+        steps = self.value * (column[self.rows] - first[:, None])
+        return np.asarray(first + steps.sum(axis=1))
 
     def slopes(self, column: NDArray[np.float64]) -> NDArray[np.float64]:
         """Rate of a column at each instant, per second, (M,)."""
         first = column[self.rows[:, 0]]
-        return np.sum(self.slope * (column[self.rows] - first[:, None]), axis=1)
+        return np.asarray((self.slope * (column[self.rows] - first[:, None])).sum(axis=1))
 
     def every(self, column: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Whether a flag is set in all rows used, (M,)."""
-        return column[self.rows].all(axis=1)
+        return np.asarray(column[self.rows].all(axis=1))
 
     def some(self, column: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Whether a flag is set in any row used, (M,)."""
-        return column[self.rows].any(axis=1)
+        return np.asarray(column[self.rows].any(axis=1))
 
 
-def stencil(
-    row_times_s: NDArray[np.float64], times_s: NDArray[np.float64], count: int
-) -> Stencil:
+def stencil(row_times_s: NDArray[np.float64], times_s: NDArray[np.float64], count: int) -> Stencil:
     """Weights of the ``count`` rows (three at least) nearest to each instant.
 
     ``row_times_s`` (N,) ascends, N >= 3; instants lie between the first and the last of them.

@@ -48,7 +48,7 @@ class Polarity:
         before = self._frame(time_s)
         after = np.minimum(before + 1, self.starts_s.size - 1)
         between = time_s > self.ends_s[before]
-        return between & (self.inverted[before] != self.inverted[after])
+        return np.asarray(between & (self.inverted[before] != self.inverted[after]))
 
     def _frame(self, time_s: NDArray[np.float64]) -> NDArray[np.intp]:
         return np.maximum(np.searchsorted(self.starts_s, time_s, side="right") - 1, 0)
@@ -62,7 +62,7 @@ def polarity(
     mine = sorted(
         (f.time_s, f.time_s + f.duration_s, f.inverted)
         for f in frames
-        if (f.signal, f.prn) == (signal, prn) and from_s <= f.time_s <= until_s
+        if (f.signal, f.prn, f.ok) == (signal, prn, True) and from_s <= f.time_s <= until_s
     )
     columns = list(zip(*mine, strict=True)) or [(), (), ()]
     starts, ends = (np.array(c, np.float64) for c in columns[:2])

@@ -100,15 +100,12 @@ def _read_combo(
     return signal, column, fits
 
 
-def _group_delays(
-    combo: ComboTrack, system: str, navigation: Navigation
-) -> tuple[float, float]:
-    """Group delays of both signals as the satellite states them; they hardly change."""
-    for ephemeris in reversed(navigation.ephemerides):
-        stated = dict(ephemeris.group_delays_s)
-        if (ephemeris.system, ephemeris.prn) == (system, combo.prn) and {
-            combo.lower,
-            combo.upper,
-        } <= stated.keys():
-            return stated[combo.lower], stated[combo.upper]
-    return 0.0, 0.0
+def _group_delays(combo: ComboTrack, system: str, navigation: Navigation) -> tuple[float, float]:
+    """Group delays of both signals as the satellite states them; 0 unless both are known."""
+    stated: dict[str, float] = {}
+    for ephemeris in navigation.ephemerides:
+        if (ephemeris.system, ephemeris.prn) == (system, combo.prn):
+            stated |= dict(ephemeris.group_delays_s)
+    if not {combo.lower, combo.upper} <= stated.keys():
+        return 0.0, 0.0
+    return stated[combo.lower], stated[combo.upper]

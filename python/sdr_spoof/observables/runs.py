@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -72,7 +73,7 @@ def runs_of(track: SignalTrack, *, measured: bool = False) -> list[Run]:
     if whole is None:
         return []
     edges = [0, *(np.flatnonzero(_breaks(whole)) + 1).tolist(), whole.time_s.size]
-    runs = (whole.rows(slice(a, b)) for a, b in zip(edges, edges[1:], strict=False))
+    runs = (whole.rows(slice(a, b)) for a, b in pairwise(edges))
     found = [_judged(run) for run in runs if run.time_s.size >= LEAST_ROWS]
     if measured:
         found = [replace(r, code_s=r.code_s + r.code_error_s) for r in found]

@@ -8,6 +8,7 @@ smoothed code lags by twice its rate times the time constant.
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,9 +26,7 @@ def smoothed(run: Run, time_constant_s: float) -> Run:
     difference_s = run.code_s + run.code_error_s - carrier_s
     keep = np.exp(-run.integration_s / time_constant_s)
     starts = [0, *np.flatnonzero(run.slipped[1:] & ~run.slipped[:-1]) + 1, run.time_s.size]
-    means = [
-        _mean(difference_s[a:b], keep) for a, b in zip(starts, starts[1:], strict=False)
-    ]
+    means = [_mean(difference_s[a:b], keep) for a, b in pairwise(starts)]
     return replace(run, code_s=carrier_s + np.concatenate(means))
 
 

@@ -10,6 +10,7 @@ is the beat's, on the counter of the upper signal.
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -63,9 +64,7 @@ def subcarrier_spans(
                     yield replace(span, run=beat, from_s=start, until_s=stop), half
 
 
-def _unbroken(
-    rows: ComboTrack, runs: tuple[Run, Run], sign: Polarity
-) -> Iterator[ComboTrack]:
+def _unbroken(rows: ComboTrack, runs: tuple[Run, Run], sign: Polarity) -> Iterator[ComboTrack]:
     """Stretches in which neither phase may have slipped."""
     if rows.epochs < LEAST_ROWS:
         return
@@ -75,7 +74,7 @@ def _unbroken(
         broken |= run.slipped[np.clip(last, 0, run.time_s.size - 1)]
     broken[1:] |= np.diff(sign.turned(rows.time_s)) | np.diff(sign.unknown(rows.time_s))
     edges = [0, *np.flatnonzero(broken), rows.epochs]
-    for a, b in zip(edges, edges[1:], strict=False):
+    for a, b in pairwise(edges):
         if b - a >= LEAST_ROWS:
             yield rows.part(int(a), int(b))
 
@@ -121,9 +120,7 @@ def _mean_code(
 ) -> tuple[NDArray[np.float64], float]:
     """Delay by both codes, weighted by their noise, in periods of the upper one; its sigma."""
     upper_s = rows.code_delay_upper_s - group_delays_s[1]
-    lower_s = (
-        rows.code_delay_upper_s - rows.code_difference_s - group_delays_s[0]
-    )
+    lower_s = rows.code_delay_upper_s - rows.code_difference_s - group_delays_s[0]
     noise = [float(np.var(code_s - beat_s)) + 1e-24 for code_s in (lower_s, upper_s)]
     weights = [noise[1] / sum(noise), noise[0] / sum(noise)]
     sigma_s = float(np.sqrt(noise[0] * noise[1] / sum(noise)))

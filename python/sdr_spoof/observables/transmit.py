@@ -108,6 +108,4 @@ def _whole_period(run: Run, other: Span, sample_s: float) -> GnssTime | None:
 
 def delay_offset_s(origin: GnssTime, time: GnssTime, sample_s: float) -> float:
     """Of a receiver clock that shows ``time`` at ``sample_s``: delay = this - ``code_s``."""
-    return math.fsum(
-        (time.seconds - origin.seconds, time.fraction, -origin.fraction, -sample_s)
-    )
+    return math.fsum((time.seconds - origin.seconds, time.fraction, -origin.fraction, -sample_s))
