@@ -97,7 +97,7 @@ def set_clock(spans: Sequence[Span]) -> ReceiverClock:
         first = group[0].origin
         ahead = [(s.origin - first) + s.ahead_s(s.from_s) for s in group]
         middle = float(np.median(ahead))
-        nearest = max(a for a in ahead if abs(a - middle) <= TOGETHER_S)
+        nearest = float(max(a for a in ahead if abs(a - middle) <= TOGETHER_S))
         pieces.append(ClockPiece(start_s, first + nearest + (start_s + FIRST_DELAY_S)))
     return ReceiverClock(tuple(pieces))
 
