@@ -27,7 +27,7 @@ class Alarm(IntEnum):
     """A satellite is spoofed; what is used is what is left."""
 
 
-ALARM_COLOURS = {Alarm.NONE: "#1a7f37", Alarm.SUSPECT: "#d4820f", Alarm.SPOOFED: "#c62828"}
+ALARM_COLOURS = {Alarm.NONE: "#00694f", Alarm.SUSPECT: "#c98a00", Alarm.SPOOFED: "#c0392b"}
 
 
 class Quality(IntEnum):
@@ -49,6 +49,10 @@ class SatelliteView:
     cn0_dbhz: dict[str, NDArray[np.float64]]
     """By registry signal."""
     used: NDArray[np.bool_]
+    alarm: NDArray[np.uint8]
+    """Values of :class:`Alarm`: what the detectors had said of this satellite by then."""
+    residual_m: dict[str, NDArray[np.float64]]
+    """Pseudorange less what the fix expects of it, by signal."""
 
 
 @dataclass(frozen=True)

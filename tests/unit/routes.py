@@ -21,10 +21,11 @@ def small_route(epochs=8, names=NAMES) -> Route:
         used = fixed & ~((at >= 6) & (i == 1))
         cn0 = np.full(epochs, 40.0 + i)
         signals = {"L1CA": cn0} if name[0] == "G" else {"B1I": cn0, "B1CP": cn0 + 1}
-        views.append(
-            SatelliteView(name, np.full(epochs, 60.0 * i), np.full(epochs, 20.0 + 10 * i),
-                          signals, used)
-        )  # fmt: skip
+        spoofed = np.where((at >= 6) & (i == 1), Alarm.SPOOFED, Alarm.NONE).astype(np.uint8)
+        residuals = {s: np.where(used, 0.1 * np.cos(at + i), np.nan) for s in signals}
+        elevation = np.full(epochs, 20.0 + 10 * i) + 0.2 * at
+        azimuth = np.full(epochs, 60.0 * i) + 0.5 * at
+        views.append(SatelliteView(name, azimuth, elevation, signals, used, spoofed, residuals))
     blank = np.where(fixed, 1.0, np.nan)
     return Route(
         times=tuple(GnssTime(1_362_571_218 + int(i), 0.5) for i in at),

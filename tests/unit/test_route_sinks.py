@@ -105,7 +105,7 @@ def test_kml_is_coloured_by_alarm(tmp_path):
     assert [m.findtext(f"{tag}styleUrl") for m in marks] == ["#none", "#suspect", "#spoofed"]
     styles = {s.get("id"): s for s in root.iter(f"{tag}Style")}
     colours = {k: s.findtext(f"{tag}LineStyle/{tag}color") for k, s in styles.items()}
-    assert colours["spoofed"] == "ff2828c6"
+    assert colours["spoofed"] == "ff2b39c0"
     first = marks[0].findtext(f"{tag}LineString/{tag}coordinates").split()
     assert first[0] == "-70.250040000,-33.850020000,570.1234"
     assert root.findtext(f"{tag}Document/{tag}name") == "a <b> & c"
