@@ -4,7 +4,8 @@ Layout: ``/`` holds ``partial`` and ``format_version``; ``/recording`` the forma
 ``/config`` the effective configuration (JSON); ``/acquisitions`` one column per field;
 ``/tracks/<signal>_<prn>`` and ``/combos/<lower>_<upper>_<prn>`` one column per field, one row per
 epoch;
-``/verdict`` with tables of satellites and alarms. Every dataset has the attribute ``units``
+``/verdict`` with tables of satellites and alarms; ``/navigation``, ``/observations`` and ``/fixes``
+as :mod:`.hdf5_nested` has it. Every dataset has the attribute ``units``
 ("1" where it has none). No dates are stored.
 """
 
@@ -29,16 +30,22 @@ from sdr_spoof.sources import RecordingFormat
 
 from . import hdf5_records as records
 from .atomic import replacing
+from .hdf5_classes import CLASSES
 from .hdf5_file import new_file
+from .hdf5_nested import read_nested, write_nested
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from pydantic import BaseModel
 
+    from sdr_spoof.nav.records import Navigation
+    from sdr_spoof.observations import Observations
     from sdr_spoof.sources import Recording
 
 _VERSION = 1
+NESTED = ("navigation", "observations")
+"""Results of positioning: groups of nested records."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +60,8 @@ class Result:
     acquisitions: tuple[Acquisition, ...] = ()
     log: TrackLog | None = None
     verdict: Verdict | None = None
+    navigation: Navigation | None = None
+    observations: Observations | None = None
 
     @classmethod
     def of(
@@ -63,10 +72,13 @@ class Result:
         acquisitions: Sequence[Acquisition] = (),
         log: TrackLog | None = None,
         verdict: Verdict | None = None,
+        navigation: Navigation | None = None,
+        observations: Observations | None = None,
     ) -> Result:
         """Gather the result of processing a recording."""
         plain = config.model_dump(mode="json")
-        return cls(recording.path.name, recording.format, plain, tuple(acquisitions), log, verdict)
+        found = tuple(acquisitions), log, verdict, navigation, observations
+        return cls(recording.path.name, recording.format, plain, *found)
 
     @property
     def partial(self) -> bool:
@@ -113,6 +125,9 @@ def _write(file: h5py.File, result: Result) -> None:
         _write_log(file, result.log)
     if result.verdict is not None:
         records.write_verdict(file.create_group("verdict"), result.verdict)
+    for name in NESTED:
+        if getattr(result, name) is not None:
+            write_nested(file.create_group(name, track_order=True), getattr(result, name))
 
 
 def _write_log(file: h5py.File, log: TrackLog) -> None:
@@ -140,6 +155,7 @@ def _read(file: h5py.File) -> Result:
         acquisitions=tuple(records.read_rows(file["acquisitions"], Acquisition)),
         log=_read_log(file) if "log" in file else None,
         verdict=records.read_verdict(file["verdict"]) if "verdict" in file else None,
+        **{name: read_nested(file[name], CLASSES) for name in NESTED if name in file},
     )
 
 
