@@ -20,6 +20,17 @@ def unpack(
 
 # synthesis
 @final
+class Spline:
+    def __new__(
+        cls,
+        time_s: NDArray[np.float64],
+        value: NDArray[np.float64],
+        rate: NDArray[np.float64],
+    ) -> Self: ...
+    def value(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]: ...
+    def rate(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]: ...
+
+@final
 class Emitter:
     def __new__(
         cls,
@@ -27,11 +38,14 @@ class Emitter:
         prn: int,
         cn0_dbhz: float,
         *,
+        range_m: Spline | None = ...,
         delay_s: float = ...,
         phase_cycles: float = ...,
         doppler_hz: float = ...,
         doppler_rate_hz_s: float = ...,
         data_seed: int | None = ...,
+        symbols: NDArray[np.int8] | None = ...,
+        first_symbol: int = ...,
         data_delay_s: float = ...,
         data_error_rate: float = ...,
         power_db: Sequence[tuple[float, float]] = ...,

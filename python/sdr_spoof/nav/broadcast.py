@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 if TYPE_CHECKING:
     from .ephemeris import Ephemeris
@@ -93,6 +93,18 @@ class Contents:
     almanacs: tuple[Ephemeris, ...] = ()
     """Coarse orbits; quantities that an almanac lacks are 0."""
 
+    def distinct(self) -> Self:
+        """Leave out what is a repetition of something sent before."""
+        return replace(
+            self,
+            ephemerides=_distinct(self.ephemerides),
+            ionosphere=_distinct(self.ionosphere),
+            utc=_distinct(self.utc),
+            offsets=_distinct(self.offsets),
+            health=tuple(dict(self.health).items()),
+            almanacs=_distinct(self.almanacs),
+        )
+
     def __add__(self, other: Self) -> Self:
         """Both, one after the other."""
         return replace(
@@ -104,6 +116,14 @@ class Contents:
             health=self.health + other.health,
             almanacs=self.almanacs + other.almanacs,
         )
+
+
+def _distinct(items: tuple[Any, ...]) -> tuple[Any, ...]:
+    """First of each that differ in more than the time of transmission."""
+    first: dict[Any, Any] = {}
+    for item in items:
+        first.setdefault(replace(item, transmitted=None), item)
+    return tuple(first.values())
 
 
 @dataclass(frozen=True)

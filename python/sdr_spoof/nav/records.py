@@ -64,7 +64,7 @@ class Frame:
     inverted: bool = False
     """Symbols came with reversed sign."""
     week_known: bool = True
-    """False: neither the run nor the caller told the week, ``transmitted`` is in week 0."""
+    """False: the run did not tell the week; it is the nearest to the caller's date, or week 0."""
 
 
 @dataclass(frozen=True)
@@ -118,4 +118,4 @@ class Message(Protocol):
         """Frames in a run, in order; ``near`` (within half a rollover) tells the week."""
 
     def read(self, frames: Sequence[Frame]) -> Contents:
-        """Put together what the frames of one satellite say, sorted by time, weeks known."""
+        """Put together what the frames of one satellite say; they come in order of time."""

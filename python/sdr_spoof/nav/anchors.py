@@ -1,0 +1,100 @@
+"""Which instant a code phase left the satellite: from decoded frames, and from other signals."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..signals import signal_spec
+from .records import Anchor, Frame
+from .symbols import code_phase_at
+from .time import GnssTime
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ..records import SignalTrack
+    from .symbols import Stretch
+
+AGREE_S = 0.5e-3
+"""Frames of one run agree within this: half a period of the shortest code."""
+SAME_TIME_S = 0.2
+"""Signals of all satellites that arrive together left within this."""
+CERTAIN_FRAMES = 2
+"""So many frames that agree are believed against other satellites."""
+
+
+def from_frames(frames: Sequence[Frame], stretch: Stretch) -> list[Anchor]:
+    """Anchors of an unbroken stretch; more than one where its frames tell of a jump in time."""
+    groups: list[list[Frame]] = []
+    for frame in frames:
+        if groups and _agree(groups[-1][-1], frame):
+            groups[-1].append(frame)
+        else:
+            groups.append([frame])
+    if len(groups) > 1 and any(len(g) >= CERTAIN_FRAMES for g in groups):
+        # A single frame between others that agree is one whose time was misread.
+        groups = _joined([g for g in groups if len(g) >= CERTAIN_FRAMES])
+    anchors = []
+    for n, group in enumerate(groups):
+        first, last = group[0], group[-1]
+        anchors.append(
+            Anchor(
+                signal=stretch.signal,
+                prn=stretch.prn,
+                from_s=stretch.from_s if n == 0 else first.time_s,
+                until_s=stretch.until_s if n == len(groups) - 1 else last.time_s + last.duration_s,
+                code_phase_chips=first.code_phase_chips,
+                transmitted=first.transmitted,
+            )
+        )
+    return anchors
+
+
+def _agree(a: Frame, b: Frame) -> bool:
+    chips = b.code_phase_chips - a.code_phase_chips
+    elapsed = chips / signal_spec(a.signal).chip_rate_hz
+    return abs((b.transmitted - a.transmitted) - elapsed) < AGREE_S
+
+
+def _joined(groups: list[list[Frame]]) -> list[list[Frame]]:
+    joined = groups[:1]
+    for group in groups[1:]:
+        if _agree(joined[-1][-1], group[0]):
+            joined[-1] = joined[-1] + group
+        else:
+            joined.append(group)
+    return joined
+
+
+def at(anchor: Anchor, code_phase_chips: float) -> GnssTime:
+    """When a code phase left the satellite."""
+    later = code_phase_chips - anchor.code_phase_chips
+    return anchor.transmitted + later / signal_spec(anchor.signal).chip_rate_hz
+
+
+def from_other(
+    stretch: Stretch, track: SignalTrack, anchor: Anchor, other: SignalTrack
+) -> Anchor | None:
+    """Anchor of a stretch from that of another signal of the satellite at the same time.
+
+    Signals of one satellite leave together and arrive together to far below half a code period;
+    their codes begin at whole multiples of their periods. None where they do not overlap.
+    """
+    begin, end = max(stretch.from_s, anchor.from_s), min(stretch.until_s, anchor.until_s)
+    if begin >= end:
+        return None
+    spec = signal_spec(stretch.signal)
+    middle = 0.5 * (begin + end)
+    phase = code_phase_at(track, middle)
+    period = int(phase // spec.code_length)
+    chips = float(period * spec.code_length)
+    sent = at(anchor, code_phase_at(other, middle)) + (chips - phase) / spec.chip_rate_hz
+    per_second = round(1.0 / spec.period_s)
+    return Anchor(
+        signal=stretch.signal,
+        prn=stretch.prn,
+        from_s=stretch.from_s,
+        until_s=stretch.until_s,
+        code_phase_chips=chips,
+        transmitted=GnssTime(sent.seconds) + round(sent.fraction * per_second) / per_second,
+    )

@@ -1,0 +1,102 @@
+"""What D1 and D2 have in common.
+
+Source: BDS-SIS-ICD-B1I-3.0, chapter 5. Bits are numbered as in its figures: 300 a subframe, words
+of 30, information before parity.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from . import bch15, keplerian
+from .beidou_framing import NUMBER, PREAMBLE, SOW, BeidouFraming
+from .bits import PAGE_BITS
+from .broadcast import Contents
+from .subframes import SubframeMessage
+from .sync import preamble_errors
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from .broadcast import Broadcast
+    from .sync import Found
+    from .time import GnssTime
+
+SIGNAL = "B1I"
+CONFIRMED_BY = 8
+"""Symbols of the next preamble that must be there to tell whether the sign stayed."""
+
+
+class BeidouMessage(SubframeMessage):
+    """Symbols to subframes of D1 or D2 and back."""
+
+    system = "C"
+    preamble = PREAMBLE
+    log10_chance: float
+    """Of a random time and number to go together."""
+
+    @abstractmethod
+    def index(self, sow: int, number: int) -> int | None:
+        """Count of subframes since the start of the week; None where both do not go together."""
+
+    @abstractmethod
+    def sow(self, index: int) -> int:
+        """Time of week that a subframe tells."""
+
+    @abstractmethod
+    def fill_page(self, bits: NDArray[np.uint8], content: Broadcast, index: int, week: int) -> None:
+        """Write what a subframe says beside time and number."""
+
+    def fill(self, bits: NDArray[np.uint8], content: Broadcast, index: int, week: int) -> None:
+        """Write a subframe."""
+        NUMBER.write(bits, index % 5 + 1)
+        SOW.write(bits, self.sow(index))
+        self.fill_page(bits, content, index, week)
+
+    def to_symbols(self, bits: NDArray[np.uint8]) -> NDArray[np.int8]:
+        """Symbols of subframes."""
+        return bch15.encode(bits)
+
+    def framing(self, noise: float) -> BeidouFraming:
+        """How subframes are told."""
+        return BeidouFraming(self.index, self.log10_chance, noise)
+
+    def correct(
+        self, soft: NDArray[np.float32], noise: float
+    ) -> tuple[NDArray[np.uint8], NDArray[np.intp], NDArray[np.float64]]:
+        """Most likely bits."""
+        decoded = bch15.decode(soft, noise)
+        return decoded.bits, decoded.corrected, decoded.doubt
+
+    def whole(self, found: list[Found], values: NDArray[np.float32]) -> NDArray[np.bool_]:
+        """Which are there to the end, with the sign that they began with.
+
+        An inverted codeword is one too. Only the preamble of the next subframe shows that no half
+        cycle was lost within.
+        """
+        padded = np.concatenate([values, np.zeros(PREAMBLE.size, np.float32)])
+        errors = preamble_errors(padded, PREAMBLE)
+        ends = np.array([f.start for f in found]) + PAGE_BITS
+        missing = ends + PREAMBLE.size - values.size
+        inside = missing <= PREAMBLE.size - CONFIRMED_BY
+        same = np.array([f.sign for f in found]) > 0
+        at = np.where(inside, ends, 0)
+        wrong = np.where(same, errors[at], PREAMBLE.size - errors[at])
+        # The majority tells; symbols beyond the end count as 0, and are too few to turn it.
+        return np.asarray(inside & (wrong < PREAMBLE.size // 2))
+
+
+def legacy_ephemeris(
+    prn: int, message: str, fields: Mapping[str, float], transmitted: GnssTime
+) -> Contents:
+    """Ephemeris of D1 or D2 fields; none where they are no orbit."""
+    if fields["sqrt_a"] == 0.0:
+        return Contents()
+    delays = (("B1I", fields["tgd1"]), ("B2I", fields["tgd2"]))
+    orbit = keplerian.ephemeris("C", prn, message, fields, transmitted, group_delays_s=delays)
+    return Contents(ephemerides=(orbit,))

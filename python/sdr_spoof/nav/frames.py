@@ -1,0 +1,157 @@
+"""From tracks to what satellites say: frames, ephemerides, time anchors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import groupby
+from typing import TYPE_CHECKING
+
+from ..signals import satellite_name, signal_spec
+from . import anchors
+from .broadcast import Contents
+from .messages import MESSAGES, message_on
+from .plausible import objection
+from .records import Anchor, Frame, Navigation, SymbolRun
+from .symbols import Stretch, stretches_of, symbols_of
+from .weeks import dated
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from ..records import SignalTrack, TrackLog
+    from .time import GnssTime
+
+__all__ = ["Anchor", "Frame", "Navigation", "decode", "decode_runs"]
+
+
+@dataclass(frozen=True)
+class _Decoded:
+    """Frames of one run, and the stretch of the track that it is from."""
+
+    stretch: Stretch
+    frames: tuple[Frame, ...]
+
+
+def decode(log: TrackLog, near: GnssTime | None = None) -> Navigation:
+    """Decode all messages in a log.
+
+    ``near`` is any instant within some hours of the recording, where it is known: recordings too
+    short for the week to be sent need it, and it resolves rollovers.
+    """
+    decoded = [d for track in log.signals for d in _decoded(track, near)]
+    navigation = _navigation(decoded, near)
+    borrowed = _borrowed(log, navigation.anchors)
+    return replace(navigation, anchors=(*navigation.anchors, *borrowed))
+
+
+def decode_runs(runs: Iterable[SymbolRun], near: GnssTime | None = None) -> Navigation:
+    """Decode runs of symbols, whose track is not at hand; see :func:`decode`."""
+    decoded = []
+    for run in runs:
+        message = message_on(run.signal, run.prn)
+        if message is not None:
+            end = float(run.time_s[-1]) + run.symbol_s
+            stretch = Stretch(run.signal, run.prn, float(run.time_s[0]), end)
+            decoded.append(_Decoded(stretch, tuple(message.decode(run, near))))
+    return _navigation(decoded, near)
+
+
+def _navigation(decoded: list[_Decoded], near: GnssTime | None) -> Navigation:
+    decoded, notes = _with_weeks(decoded, near)
+    notes += _disagreements(decoded)
+    found = [a for d in decoded for a in anchors.from_frames(d.frames, d.stretch)]
+    frames = tuple(sorted((f for d in decoded for f in d.frames), key=lambda f: f.time_s))
+    contents, more = _contents(frames)
+    return Navigation(**vars(contents), frames=frames, anchors=tuple(found), notes=(*notes, *more))
+
+
+def _decoded(track: SignalTrack, near: GnssTime | None) -> list[_Decoded]:
+    """Frames of a track by run; of a pilot those of its companion, in the pilot's count."""
+    decoded = []
+    stretches = stretches_of(track)
+    for run in symbols_of(track):
+        message = message_on(run.signal, run.prn)
+        if message is None:
+            return []
+        begin = float(run.time_s[0])
+        inside = [s for s in stretches if s.from_s <= begin + run.symbol_s <= s.until_s]
+        if inside:
+            decoded.append(_Decoded(inside[0], tuple(message.decode(run, near))))
+    return decoded
+
+
+def _with_weeks(decoded: list[_Decoded], near: GnssTime | None) -> tuple[list[_Decoded], list[str]]:
+    """Date the frames of runs that told no week by those of others, which arrived together."""
+    told = [f for d in decoded for f in d.frames if f.week_known]
+    if not told:
+        if near is None and any(d.frames for d in decoded):
+            note = "no satellite told the week: give the date of the recording to use its time"
+            return [replace(d, frames=()) for d in decoded], [note]
+        return decoded, []
+    starts = sorted(f.transmitted + -f.time_s for f in told)
+    start = starts[len(starts) // 2]
+
+    def date(frame: Frame) -> Frame:
+        return frame if frame.week_known else dated(frame, start + frame.time_s)
+
+    return [replace(d, frames=tuple(date(f) for f in d.frames)) for d in decoded], []
+
+
+def _disagreements(decoded: list[_Decoded]) -> list[str]:
+    """Runs whose time differs from that of most others by more than travel times can."""
+    frames = [d.frames[0] for d in decoded if d.frames]
+    if len(frames) < 3:
+        return []
+    starts = [f.transmitted + -f.time_s for f in frames]
+    middle = sorted(starts)[len(starts) // 2]
+    return [
+        f"{satellite_name(f.system, f.prn)} {f.signal} tells a time {start - middle:+.3f} s from "
+        f"that of the others: it is wrong, repeated late or not from the satellite"
+        for f, start in zip(frames, starts, strict=True)
+        if abs(start - middle) > anchors.SAME_TIME_S
+    ]
+
+
+def _borrowed(log: TrackLog, known: tuple[Anchor, ...]) -> list[Anchor]:
+    """Anchors of stretches that have none, from another signal of the satellite."""
+    tracks = {(t.signal, t.prn): t for t in log.signals}
+    borrowed = []
+    for track in log.signals:
+        system = signal_spec(track.signal).system
+        others = [
+            a
+            for a in known
+            if a.prn == track.prn
+            and a.signal != track.signal
+            and signal_spec(a.signal).system == system
+        ]
+        own = [a for a in known if (a.signal, a.prn) == (track.signal, track.prn)]
+        for stretch in stretches_of(track) if others else ():
+            if any(a.from_s < stretch.until_s and stretch.from_s < a.until_s for a in own):
+                continue
+            for other in others:
+                found = anchors.from_other(stretch, track, other, tracks[other.signal, other.prn])
+                if found is not None:
+                    borrowed.append(found)
+                    break
+    return borrowed
+
+
+def _contents(frames: tuple[Frame, ...]) -> tuple[Contents, list[str]]:
+    """What frames say, satellite by satellite; and what cannot be."""
+
+    def key(frame: Frame) -> tuple[str, int, str]:
+        return frame.message, frame.prn, frame.signal
+
+    contents, notes = Contents(), []
+    for (message, prn, _), group in groupby(sorted(frames, key=key), key):
+        read = MESSAGES[message].read(sorted(group, key=lambda f: f.transmitted))
+        objections = {e: objection(e) for e in read.ephemerides}
+        notes += [
+            f"an ephemeris of {satellite_name(e.system, prn)} in {message} is left out: {why}"
+            for e, why in objections.items()
+            if why is not None
+        ]
+        good = tuple(e for e, why in objections.items() if why is None)
+        contents += replace(read, ephemerides=good)
+    return contents, notes
