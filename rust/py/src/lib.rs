@@ -5,6 +5,8 @@ use pyo3::prelude::*;
 
 mod acquire;
 mod bench;
+mod fixes;
+mod navigation;
 mod signals;
 mod simulate;
 mod synth;
@@ -23,6 +25,8 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     track::register(m)?;
     simulate::register(m)?;
     bench::register(m)?;
+    navigation::register(m)?;
+    fixes::register(m)?;
     // Load numpy's C interface here, where an error can be raised: loaded on first use, it would
     // panic when Ctrl-C comes in between.
     m.py().import("numpy")?;
