@@ -1,0 +1,162 @@
+"""From tracks to positions: messages, observations, fixes; and why there are none."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sdr_spoof import pvt
+from sdr_spoof.fixes import Cause, Status
+from sdr_spoof.nav.frames import decode
+from sdr_spoof.nav.geodesy import geodetic_to_ecef
+from sdr_spoof.nav.rinex_nav import read_navigation
+from sdr_spoof.nav.store import Store
+from sdr_spoof.nav.time import GnssTime
+from sdr_spoof.observables import ReceiverClock, observe
+
+from .hot import anchors_at
+from .route import route_of
+
+if TYPE_CHECKING:
+    from datetime import datetime
+
+    from numpy.typing import NDArray
+
+    from sdr_spoof.config import Config
+    from sdr_spoof.fixes import Fixes
+    from sdr_spoof.nav.records import Navigation
+    from sdr_spoof.observations import Observations
+    from sdr_spoof.records import TrackLog, Verdict
+    from sdr_spoof.route import Route
+
+
+@dataclass(frozen=True)
+class Located:
+    """All that positioning found in a recording."""
+
+    navigation: Navigation
+    """What was received, and what the files given say."""
+    observations: Observations
+    fixes: Fixes
+    route: Route
+    notes: tuple[str, ...]
+    """What was missing, and why there is no fix, a sentence each."""
+
+    @property
+    def middle_m(self) -> NDArray[np.float64] | None:
+        """Median position (3,), ECEF; None without a fix."""
+        found = self.fixes.position_m[self.fixes.fixed]
+        return np.asarray(np.median(found, axis=0)) if len(found) else None
+
+
+def locate(
+    log: TrackLog,
+    config: Config,
+    verdict: Verdict | None = None,
+    *,
+    start: datetime | None = None,
+) -> Located:
+    """Positions from a log of tracks; satellites that the verdict calls spoofed are left out.
+
+    Args:
+        log: tracks.
+        config: its groups ``navigation``, ``observables`` and ``pvt``.
+        verdict: what the detectors said.
+        start: UTC of the first sample, where ``config.navigation.time`` does not tell it.
+
+    Raises:
+        NavigationError: a navigation file cannot be read, or a model that the configuration
+            demands is not there.
+    """
+    began = config.navigation.time or start
+    near = GnssTime.of_utc(began) if began is not None else None
+    navigation = decode(log, near)
+    for path in config.navigation.files:
+        told = read_navigation(path)
+        notes = navigation.notes + told.notes
+        navigation = replace(navigation + told, notes=notes)
+    if not navigation.anchors:
+        navigation = _hot(log, navigation, config, near)
+    seen, fixes = _fixes(log, navigation, config, verdict)
+    route = route_of(fixes, seen, verdict)
+    notes = (*navigation.notes, *seen.notes, *_reasons(fixes))
+    return Located(navigation, seen, fixes, route, tuple(dict.fromkeys(notes)))
+
+
+def _hot(
+    log: TrackLog, navigation: Navigation, config: Config, near: GnssTime | None
+) -> Navigation:
+    """Add anchors by a known time, place and orbits, where no message tells them."""
+    place = config.navigation.place
+    missing = [
+        name
+        for name, there in (
+            ("a navigation file", navigation.ephemerides),
+            ("the time of the first sample", near),
+            ("a place", place),
+        )
+        if not there
+    ]
+    if near is None or place is None or missing:
+        told = f"no message was received in full; a fix needs {', '.join(missing)} too"
+        return replace(navigation, notes=(*navigation.notes, told))
+    store = Store(navigation)
+    anchors = anchors_at(log, store, near, geodetic_to_ecef(place))
+    return replace(navigation, anchors=anchors)
+
+
+def _fixes(
+    log: TrackLog, navigation: Navigation, config: Config, verdict: Verdict | None
+) -> tuple[Observations, Fixes]:
+    """Observations and fixes, by a clock that a first round of fixes has set right."""
+    coarse = config.observables.model_copy(update={"rate_hz": 1})
+    first = observe(log, navigation, coarse, verdict)
+    clock = first.clock
+    if clock is not None:
+        clock = corrected(clock, first, pvt.solve(first, navigation, config.pvt))
+    seen = observe(log, navigation, config.observables, verdict, clock=clock)
+    return seen, pvt.solve(seen, navigation, config.pvt)
+
+
+def corrected(clock: ReceiverClock, seen: Observations, fixes: Fixes) -> ReceiverClock:
+    """The clock less a straight line through what trusted fixes found of it, piece by piece."""
+    trusted = np.isin(fixes.status, (Status.FIX, Status.UNCHECKED)) & np.isfinite(fixes.clock_s)
+    starts = [p.sample_s for p in clock.pieces[1:]]
+    piece_of = np.searchsorted(starts, seen.sample_time_s, side="right")
+    pieces = []
+    for number, piece in enumerate(clock.pieces):
+        rows = np.flatnonzero(trusted & (piece_of == number))
+        if rows.size:
+            middle_s = float(np.mean(seen.sample_time_s[rows]))
+            bias_s, drift = _line(seen.sample_time_s[rows] - middle_s, fixes, rows)
+            piece = piece.corrected(middle_s, bias_s, drift)
+        pieces.append(piece)
+    return ReceiverClock(tuple(pieces))
+
+
+def _line(
+    time_s: NDArray[np.float64], fixes: Fixes, rows: NDArray[np.intp]
+) -> tuple[float, float]:
+    """Bias in s at time 0 and drift, by medians, which a few wrong fixes do not move."""
+    bias = fixes.clock_s[rows]
+    if rows.size < LINE_FIXES:
+        return float(np.median(bias)), float(np.nan_to_num(np.median(fixes.drift_m_s[rows]))) / C
+    half = rows.size // 2
+    run = np.median(time_s[-half:]) - np.median(time_s[:half])
+    drift = float((np.median(bias[-half:]) - np.median(bias[:half])) / run)
+    return float(np.median(bias - drift * time_s)), drift
+
+
+LINE_FIXES = 10
+"""Of fewer fixes the drift is that of their velocities."""
+C = 299_792_458.0
+
+
+def _reasons(fixes: Fixes) -> list[str]:
+    """Why satellites were left out, and why there is no fix, in words."""
+    reasons = [str(e) for e in fixes.excluded if e.cause not in (Cause.LOW, Cause.NO_FIX)]
+    if fixes.epochs and not fixes.fixed.any():
+        reasons.append(f"no fix: {fixes.reason(fixes.epochs - 1)}")
+    return reasons
