@@ -194,3 +194,47 @@ class EngineBench:
 
 def simd_level() -> str: ...
 def simd_levels() -> list[str]: ...
+
+# navigation
+def satellite_states(
+    table: NDArray[np.float64], row: NDArray[np.int64], time_s: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]: ...
+def geodetic(ecef_m: NDArray[np.float64], ellipsoid_name: str) -> NDArray[np.float64]: ...
+def ecef(place: NDArray[np.float64], ellipsoid_name: str) -> NDArray[np.float64]: ...
+def azimuth_elevation(
+    receiver_m: NDArray[np.float64], target_m: NDArray[np.float64]
+) -> NDArray[np.float64]: ...
+def ionosphere_m(
+    model: str,
+    parameters: Sequence[float],
+    place: NDArray[np.float64],
+    direction: NDArray[np.float64],
+    gpst_s: NDArray[np.float64],
+    carrier_hz: float,
+) -> NDArray[np.float64]: ...
+def troposphere_m(
+    place: NDArray[np.float64], direction: NDArray[np.float64], gpst_s: NDArray[np.float64]
+) -> NDArray[np.float64]: ...
+def smooth_code(
+    range_m: NDArray[np.float64],
+    carrier_m: NDArray[np.float64],
+    broken: NDArray[np.bool_],
+    epochs: int,
+) -> NDArray[np.float64]: ...
+def solve_fixes(
+    table: NDArray[np.float64],
+    reference_s: float,
+    columns: Sequence[tuple[int, int, int, float]],
+    groups: Sequence[tuple[int, int]],
+    systems: int,
+    settings_values: dict[str, Any],
+    time_s: NDArray[np.float64],
+    orbit: NDArray[np.int32],
+    range_m: NDArray[np.float64],
+    variance: NDArray[np.float64],
+    rate_m_s: NDArray[np.float64],
+    rate_variance: NDArray[np.float64],
+    *,
+    ekf: dict[str, float] | None = ...,
+    threads: int = ...,
+) -> dict[str, NDArray[Any]]: ...

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from sdr_spoof.scenario.draw import Draw
     from sdr_spoof.scenario.knots import Knots
+    from sdr_spoof.scenario.motion import Motion
     from sdr_spoof.signals import SignalSpec
 
 
@@ -49,6 +50,8 @@ class Emission:
     """At 0 s, before the carrier offset."""
     data_delay_s: float = 0.0
     data_error_rate: float = 0.0
+    motion: Motion | None = None
+    """Instead of the target's own."""
 
 
 Victims = list[tuple[Satellite, tuple[str, ...]]]
