@@ -106,8 +106,8 @@ def process(
         SignalError: the recording cannot hold a signal asked for.
     """
     out = Path(out)
-    result_path, report_path = _outputs(out, ("result.h5", "report.html"), force=force)
-    with _folder(out):
+    result_path, report_path = output_paths(out, ("result.h5", "report.html"), force=force)
+    with output_folder(out):
         found, log = receive(recording, config, signals, prns, threads, stages, out)
         with stages("Reporting") as progress:
             verdict = detect(log, config.detection)
@@ -131,7 +131,7 @@ def process(
     return Processed(recording, config, tuple(found), log, verdict, result_path, report_path)
 
 
-def _outputs(out: Path, names: Sequence[str], *, force: bool) -> list[Path]:
+def output_paths(out: Path, names: Sequence[str], *, force: bool) -> list[Path]:
     """Paths in the output folder, none of which may exist.
 
     Raises:
@@ -147,7 +147,7 @@ def _outputs(out: Path, names: Sequence[str], *, force: bool) -> list[Path]:
 
 
 @contextmanager
-def _folder(out: Path) -> Iterator[None]:
+def output_folder(out: Path) -> Iterator[None]:
     """Make the output folder; if nothing came to lie in it, take it away again.
 
     Raises:
@@ -181,9 +181,9 @@ def demo(
     """
     out = Path(out)
     names = ("demo.sigmf-data", "demo.sigmf-meta", "demo.truth.json", "result.h5", "report.html")
-    _outputs(out, names, force=force)
+    output_paths(out, names, force=force)
     scenario = builtin_scenario("demo")
-    with _folder(out), stages("Synthesising") as progress:
+    with output_folder(out), stages("Synthesising") as progress:
         meta = synthesize(scenario, out / "demo", threads=threads, force=force, progress=progress)
     truth = json.loads(truth_path(meta).read_text(encoding="utf-8"))
     processed = process(

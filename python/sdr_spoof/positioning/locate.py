@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -43,6 +43,14 @@ class Located:
     route: Route
     notes: tuple[str, ...]
     """What was missing, and why there is no fix, a sentence each."""
+
+    def records(self) -> dict[str, Any]:
+        """What a result file holds of it."""
+        return {
+            "navigation": self.navigation,
+            "observations": self.observations,
+            "fixes": self.fixes,
+        }
 
     @property
     def middle_m(self) -> NDArray[np.float64] | None:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -39,12 +40,13 @@ if TYPE_CHECKING:
 
     from pydantic import BaseModel
 
+    from sdr_spoof.fixes import Fixes
     from sdr_spoof.nav.records import Navigation
     from sdr_spoof.observations import Observations
     from sdr_spoof.sources import Recording
 
 _VERSION = 1
-NESTED = ("navigation", "observations")
+NESTED = ("navigation", "observations", "fixes")
 """Results of positioning: groups of nested records."""
 
 
@@ -62,6 +64,9 @@ class Result:
     verdict: Verdict | None = None
     navigation: Navigation | None = None
     observations: Observations | None = None
+    fixes: Fixes | None = None
+    start: datetime | None = None
+    """UTC of the first sample, where it is known."""
 
     @classmethod
     def of(
@@ -72,13 +77,13 @@ class Result:
         acquisitions: Sequence[Acquisition] = (),
         log: TrackLog | None = None,
         verdict: Verdict | None = None,
-        navigation: Navigation | None = None,
-        observations: Observations | None = None,
+        **located: Any,
     ) -> Result:
-        """Gather the result of processing a recording."""
+        """Gather the result of processing a recording; ``located`` as the fields below."""
         plain = config.model_dump(mode="json")
-        found = tuple(acquisitions), log, verdict, navigation, observations
-        return cls(recording.path.name, recording.format, plain, *found)
+        found = {"acquisitions": tuple(acquisitions), "log": log, "verdict": verdict, **located}
+        name, form = recording.path.name, recording.format
+        return cls(name, form, plain, start=recording.start, **found)
 
     @property
     def partial(self) -> bool:
@@ -119,6 +124,8 @@ def _write(file: h5py.File, result: Result) -> None:
     recording = file.create_group("recording")
     records.write_text(recording, "name", result.recording)
     records.write_text(recording, "format", json.dumps(result.format.model_dump()))
+    if result.start is not None:
+        records.write_text(recording, "start", result.start.isoformat())
     records.write_text(file, "config", json.dumps(result.config, sort_keys=True))
     records.write_rows(file.create_group("acquisitions"), Acquisition, result.acquisitions)
     if result.log is not None:
@@ -152,6 +159,9 @@ def _read(file: h5py.File) -> Result:
         recording=records.read_text(file["recording/name"]),
         format=format,
         config=json.loads(records.read_text(file["config"])),
+        start=datetime.fromisoformat(records.read_text(file["recording/start"]))
+        if "start" in file["recording"]
+        else None,
         acquisitions=tuple(records.read_rows(file["acquisitions"], Acquisition)),
         log=_read_log(file) if "log" in file else None,
         verdict=records.read_verdict(file["verdict"]) if "verdict" in file else None,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from sdr_spoof.fixes import Fixes
 from sdr_spoof.nav.broadcast import Bdgim, Klobuchar, TimeOffset, UtcParameters
 from sdr_spoof.nav.ephemeris import Ephemeris
 from sdr_spoof.nav.records import Anchor, Frame, Navigation
@@ -12,7 +13,7 @@ CLASSES: dict[str, type] = {
     c.__name__: c
     for c in (
         *(Anchor, Bdgim, Ephemeris, Frame, Klobuchar, Navigation, TimeOffset, UtcParameters),
-        *(ClockPiece, ObservedSignal, Observations, ReceiverClock),
+        *(ClockPiece, Fixes, ObservedSignal, Observations, ReceiverClock),
     )
 }
 """By name."""
