@@ -181,10 +181,6 @@ fn to_dict<'py>(
         "residual_m",
         table(fixes, signals, |f| f.residual_m.clone()).into_pyarray(py),
     )?;
-    dict.set_item(
-        "elevation",
-        table(fixes, signals, |f| f.elevation.clone()).into_pyarray(py),
-    )?;
     dict.set_item("square_sum", values(|f| f.square_sum))?;
     let freedom: Array1<i64> = fixes.iter().map(|f| f.freedom as i64).collect();
     dict.set_item("freedom", freedom.into_pyarray(py))?;

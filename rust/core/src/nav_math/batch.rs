@@ -99,8 +99,6 @@ pub struct Fix {
     pub usage: Vec<Use>,
     /// Measured minus modelled by column, m.
     pub residual_m: Vec<f64>,
-    /// By column, rad.
-    pub elevation: Vec<f64>,
     /// Weighted square sum of the residuals and its degrees of freedom.
     pub square_sum: f64,
     /// Degrees of freedom of it.
@@ -266,7 +264,6 @@ impl Fix {
             dop: Dop::NONE,
             usage,
             residual_m: vec![f64::NAN; signals],
-            elevation: vec![f64::NAN; signals],
             square_sum: f64::NAN,
             freedom: 0,
         }
@@ -317,7 +314,6 @@ impl Fix {
         for (row, column) in solution.columns.iter().enumerate() {
             self.usage[*column] = Use::Used;
             self.residual_m[*column] = solution.residuals[row];
-            self.elevation[*column] = solution.elevations[row];
         }
         for m in measured
             .iter()

@@ -408,10 +408,9 @@ impl<'a> Ekf<'a> {
         let after = self.innovation(run, used);
         for (row, (k, kind)) in after.rows.iter().enumerate() {
             if *kind == 0 {
-                let (m, correction) = &used[*k];
+                let m = used[*k].0;
                 fix.usage[m.column] = Use::Used;
                 fix.residual_m[m.column] = after.z[row];
-                fix.elevation[m.column] = correction.elevation;
             }
         }
         for m in measured.iter().filter(|m| excluded.contains(&m.satellite)) {

@@ -34,7 +34,7 @@ mod tests {
     #[test]
     fn motion_passes_and_noise_is_averaged() {
         let carrier: Vec<f64> = (0..200).map(|k| f64::from(k * k) * 0.1).collect();
-        let noise = |k: usize| if k % 2 == 0 { 1.0 } else { -1.0 };
+        let noise = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
         let mut range: Vec<f64> = (0..200).map(|k| carrier[k] + 7.0 + noise(k)).collect();
         smooth(&mut range, &carrier, &[false; 200], 50);
         assert!((range[199] - carrier[199] - 7.0).abs() < 0.02);

@@ -84,8 +84,6 @@ pub struct Solution {
     pub columns: Vec<usize>,
     /// Their satellites.
     pub satellites: Vec<usize>,
-    /// Their elevations, rad.
-    pub elevations: Vec<f64>,
     /// Measured minus modelled, m.
     pub residuals: DVector<f64>,
     /// 1 / variance.
@@ -237,7 +235,6 @@ impl<'a> Model<'a> {
             covariance,
             columns: self.used.iter().map(|(m, _)| m.column).collect(),
             satellites: self.used.iter().map(|(m, _)| m.satellite).collect(),
-            elevations: self.used.iter().map(|(_, c)| c.elevation).collect(),
             residuals,
             weights,
             design,

@@ -1,0 +1,10 @@
+"""Position, velocity and time from observations and navigation data; the arithmetic is in the core.
+
+:func:`solve` takes whole recordings, :func:`snapshot` a single instant whose time and place are
+known coarsely.
+"""
+
+from .config import PvtConfig
+from .solution import solve
+
+__all__ = ["PvtConfig", "solve"]
