@@ -76,9 +76,7 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
     return _outcome(found, log, paths, settings)
 
 
-def _received(
-    arguments: argparse.Namespace, settings: Config, ui: Ui
-) -> tuple[TrackLog, Result]:
+def _received(arguments: argparse.Namespace, settings: Config, ui: Ui) -> tuple[TrackLog, Result]:
     """Tracks, and the rest of what is known: from a result file, or from the recording."""
     from sdr_spoof.receive import receive  # noqa: PLC0415
     from sdr_spoof.sinks.hdf5 import Result, read_result  # noqa: PLC0415

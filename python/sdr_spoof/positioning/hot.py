@@ -116,9 +116,7 @@ def _sent(ephemeris: Ephemeris, received: GnssTime, place_m: NDArray[np.float64]
 def _common_error_s(counters: Sequence[_Counter]) -> float:
     """How much later than predicted all satellites sent, by those with the longest period."""
     longest = max(c.period_s for c in counters)
-    turns = [
-        2 * np.pi * _beyond_s(c, 0.0) / longest for c in counters if c.period_s == longest
-    ]
+    turns = [2 * np.pi * _beyond_s(c, 0.0) / longest for c in counters if c.period_s == longest]
     mean = np.angle(np.mean(np.exp(1j * np.array(turns))))
     return float(mean) * longest / (2 * np.pi)
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sdr_spoof import pvt
+from sdr_spoof.errors import NavigationError
 from sdr_spoof.fixes import Cause, Status
 from sdr_spoof.nav.frames import decode
 from sdr_spoof.nav.geodesy import geodetic_to_ecef
@@ -93,6 +94,18 @@ def locate(
     return Located(navigation, seen, fixes, route, tuple(dict.fromkeys(notes)))
 
 
+def try_locate(
+    log: TrackLog, config: Config, verdict: Verdict | None, start: datetime | None
+) -> tuple[Located | None, str]:
+    """Locate where the recording allows; otherwise None, and why, in a sentence."""
+    if not config.navigation.position:
+        return None, "not asked for (navigation.position = false)"
+    try:
+        return locate(log, config, verdict, start=start), ""
+    except NavigationError as error:
+        return None, str(error)
+
+
 def _hot(
     log: TrackLog, navigation: Navigation, config: Config, near: GnssTime | None
 ) -> Navigation:
@@ -136,17 +149,16 @@ def corrected(clock: ReceiverClock, seen: Observations, fixes: Fixes) -> Receive
     pieces = []
     for number, piece in enumerate(clock.pieces):
         rows = np.flatnonzero(trusted & (piece_of == number))
-        if rows.size:
-            middle_s = float(np.mean(seen.sample_time_s[rows]))
-            bias_s, drift = _line(seen.sample_time_s[rows] - middle_s, fixes, rows)
-            piece = piece.corrected(middle_s, bias_s, drift)
-        pieces.append(piece)
+        if not rows.size:
+            pieces.append(piece)
+            continue
+        middle_s = float(np.mean(seen.sample_time_s[rows]))
+        bias_s, drift = _line(seen.sample_time_s[rows] - middle_s, fixes, rows)
+        pieces.append(piece.corrected(middle_s, bias_s, drift))
     return ReceiverClock(tuple(pieces))
 
 
-def _line(
-    time_s: NDArray[np.float64], fixes: Fixes, rows: NDArray[np.intp]
-) -> tuple[float, float]:
+def _line(time_s: NDArray[np.float64], fixes: Fixes, rows: NDArray[np.intp]) -> tuple[float, float]:
     """Bias in s at time 0 and drift, by medians, which a few wrong fixes do not move."""
     bias = fixes.clock_s[rows]
     if rows.size < LINE_FIXES:

@@ -78,7 +78,7 @@ def _views(fixes: Fixes, seen: Observations, said: Said) -> Iterator[SatelliteVi
             azimuth_deg=fixes.azimuth_deg[:, first],
             elevation_deg=fixes.elevation_deg[:, first],
             cn0_dbhz={s: seen.cn0_dbhz[:, i] for s, i in columns.items() if s != SUBCARRIER},
-            used=fixes.used[:, list(columns.values())].any(axis=1),
+            used=np.asarray(fixes.used[:, list(columns.values())].any(axis=1)),
             alarm=said.get(name, quiet),
             residual_m={s: fixes.residual_m[:, i] for s, i in columns.items()},
         )
