@@ -76,19 +76,19 @@ def failing(hard: NDArray[np.uint8]) -> NDArray[np.bool_]:
     return np.asarray((check != words[:, :, DATA:]).any(axis=2))
 
 
-def _patterns() -> tuple[NDArray[np.float32], NDArray[np.int64]]:
-    """Errors of up to two of the 30 bits of a word, and the parity failures that they cause."""
+def _patterns() -> dict[int, NDArray[np.float32]]:
+    """Errors of up to two of the 30 bits of a word, by the parity failures that they cause."""
     sets = [c for size in (0, 1, 2) for c in combinations(range(WORD), size)]
     patterns = np.zeros((len(sets), WORD), np.float32)
     for row, places in zip(patterns, sets, strict=True):
         row[list(places)] = 1
     columns = np.concatenate([FROM_DATA, np.eye(6, dtype=np.uint8)], axis=1)
-    failures = (patterns.astype(np.int64) @ columns.T) % 2
-    return patterns, failures @ (1 << np.arange(6))
+    failures = (patterns.astype(np.int64) @ columns.T) % 2 @ _BITS
+    return {int(f): patterns[failures == f] for f in np.unique(failures)}
 
 
-PATTERNS, FAILURES = _patterns()
-IMPOSSIBLE = 1e6
+_BITS = 1 << np.arange(6)
+PATTERNS = _patterns()
 
 
 @dataclass(frozen=True)
@@ -131,15 +131,22 @@ def _most_likely(
     weight: NDArray[np.float32], failed: NDArray[np.uint8], noise: float
 ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
     """Errors (F, 30) that explain parity failures at the least cost, and how doubtful they are."""
-    costs = (weight @ PATTERNS.T).astype(np.float64)
-    costs[FAILURES[None, :] != (failed @ (1 << np.arange(6)))[:, None]] = IMPOSSIBLE
-    best = costs.argmin(axis=1)
-    least = costs[np.arange(len(costs)), best]
-    ratio = np.exp(np.maximum(-2.0 * (costs - least[:, None]) / noise**2, -700.0))
-    ratio[costs >= IMPOSSIBLE] = 0.0
-    # Beyond the patterns: at least four errors where parity holds, three where it does not.
-    lowest = np.sort(weight, axis=1)
-    more = np.where(failed.any(axis=1), lowest[:, :3].sum(axis=1), lowest[:, :4].sum(axis=1))
-    known = np.maximum(ratio.sum(axis=1) - 1.0, 0.0)
-    others = known + np.exp(np.minimum(2.0 * (least - more) / noise**2, 700.0))
-    return PATTERNS[best].astype(np.uint8), others / (1.0 + others)
+    errors = np.zeros(weight.shape, np.uint8)
+    doubt = np.ones(len(weight))
+    kinds = failed @ _BITS
+    for kind in np.unique(kinds).tolist():
+        patterns = PATTERNS.get(kind)
+        if patterns is None:
+            continue
+        rows = np.flatnonzero(kinds == kind)
+        costs = (weight[rows] @ patterns.T).astype(np.float64)
+        best = costs.argmin(axis=1)
+        errors[rows] = patterns[best].astype(np.uint8)
+        least = costs.min(axis=1)
+        # Beyond the patterns: at least four errors where parity holds, three where it does not.
+        lowest = np.partition(weight[rows], 4, axis=1)
+        more = lowest[:, : 4 if kind == 0 else 3].sum(axis=1, dtype=np.float64)
+        costs = np.concatenate([costs, more[:, None]], axis=1) - least[:, None]
+        others = np.exp(np.clip(-2.0 * costs / noise**2, -700.0, 700.0)).sum(axis=1) - 1.0
+        doubt[rows] = others / (1.0 + others)
+    return errors, doubt
