@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .soft import doubt
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -111,20 +113,20 @@ def decode(soft: NDArray[np.float32], noise: float) -> Decoded:
     count = len(soft)
     bits = (soft < 0).astype(np.uint8)
     corrected = np.zeros((count, WORDS), np.intp)
-    doubt = np.zeros((count, WORDS))
+    doubtful = np.zeros((count, WORDS))
     before = np.zeros((count, 2), np.uint8)
     for word in range(WORDS):
         part = slice(word * WORD, (word + 1) * WORD)
         received = bits[:, part]
         data = received[:, :DATA] ^ before[:, 1:]
         failed = parity(data, before) ^ received[:, DATA:]
-        errors, doubt[:, word] = _most_likely(np.abs(soft[:, part]), failed, max(noise, 1e-3))
+        errors, doubtful[:, word] = _most_likely(np.abs(soft[:, part]), failed, max(noise, 1e-3))
         corrected[:, word] = errors.sum(axis=1)
         received ^= errors
         before = received[:, 28:].copy()
         # The data, as they were before D30* of the last word inverted them.
         bits[:, word * WORD : word * WORD + DATA] = data ^ errors[:, :DATA]
-    return Decoded(bits, corrected, doubt)
+    return Decoded(bits, corrected, doubtful)
 
 
 def _most_likely(
@@ -132,7 +134,7 @@ def _most_likely(
 ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
     """Errors (F, 30) that explain parity failures at the least cost, and how doubtful they are."""
     errors = np.zeros(weight.shape, np.uint8)
-    doubt = np.ones(len(weight))
+    doubtful = np.ones(len(weight))
     kinds = failed @ _BITS
     for kind in np.unique(kinds).tolist():
         patterns = PATTERNS.get(kind)
@@ -142,11 +144,10 @@ def _most_likely(
         costs = (weight[rows] @ patterns.T).astype(np.float64)
         best = costs.argmin(axis=1)
         errors[rows] = patterns[best].astype(np.uint8)
-        least = costs.min(axis=1)
         # Beyond the patterns: at least four errors where parity holds, three where it does not.
         lowest = np.partition(weight[rows], 4, axis=1)
         more = lowest[:, : 4 if kind == 0 else 3].sum(axis=1, dtype=np.float64)
-        costs = np.concatenate([costs, more[:, None]], axis=1) - least[:, None]
-        others = np.exp(np.clip(-2.0 * costs / noise**2, -700.0, 700.0)).sum(axis=1) - 1.0
-        doubt[rows] = others / (1.0 + others)
-    return errors, doubt
+        # That sum is the lowest that there can be, and may be below the best pattern.
+        more = np.maximum(more, costs.min(axis=1))
+        doubtful[rows] = doubt(np.concatenate([costs, more[:, None]], axis=1), noise)
+    return errors, doubtful
