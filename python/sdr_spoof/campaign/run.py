@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sdr_spoof.fusion import evidence_of, per_test
+from sdr_spoof.fusion import evidence_of, share_of
 from sdr_spoof.records import State
-from sdr_spoof.signals import satellite_name
-from sdr_spoof.verdict import detect, statistics, system_of
+from sdr_spoof.signals import satellite_name, system_of
+from sdr_spoof.verdict import detect, statistics
 
 from .columns import columns_of
 from .levels import LEVELS, subjects
@@ -123,7 +123,7 @@ def _scores(log: TrackLog, config: DetectionConfig) -> tuple[dict[str, float], d
         times = tested_s.setdefault(key, {})
         times[which] = times.get(which, 0.0) + series.tested_s()
         if series.value.size:
-            threshold = series.threshold(per_test(config).false_alarm_probability)
+            threshold = series.threshold(share_of(config).false_alarm_probability)
             score = float(np.max(np.abs(series.value) / threshold))
             scores[key] = max(score, scores.get(key, 0.0))
     return scores, {key: max(times.values()) for key, times in tested_s.items()}

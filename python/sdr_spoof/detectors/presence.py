@@ -50,13 +50,27 @@ def present(log: TrackLog, combo: ComboTrack, min_cn0_dbhz: float) -> NDArray[np
     A signal whose own track is not in the log, or has no noise tap, counts as there.
     """
     there = np.ones(combo.epochs, dtype=np.bool_)
-    for whole in log.signals if combo.epochs else ():
-        if whole.prn == combo.prn and whole.signal in (combo.lower, combo.upper):
-            track = whole.between(combo.time_s[0] - NOISE_S, combo.time_s[-1] + NOISE_S)
-            rows = np.searchsorted(track.time_s, combo.time_s - 0.5 * combo.integration_s)
-            rows = np.minimum(rows, track.epochs - 1)
+    for signal in (combo.lower, combo.upper):
+        found = rows_in(log, combo, signal)
+        if found is not None:
+            track, rows = found
             there &= ~empty(track, min_cn0_dbhz - BELOW_DB)[rows]
     return there
+
+
+def rows_in(
+    log: TrackLog, combo: ComboTrack, signal: str
+) -> tuple[SignalTrack, NDArray[np.int64]] | None:
+    """The track of one of a combo's signals, and its row for each of the combo's, shape (N,).
+
+    The track reaches beyond the combo by what :func:`empty` needs. None if it is not in the log.
+    """
+    for whole in log.signals if combo.epochs else ():
+        if whole.prn == combo.prn and whole.signal == signal:
+            track = whole.between(combo.time_s[0] - NOISE_S, combo.time_s[-1] + NOISE_S)
+            rows = np.searchsorted(track.time_s, combo.time_s - 0.5 * combo.integration_s)
+            return track, np.minimum(rows, track.epochs - 1)
+    return None
 
 
 def empty(track: SignalTrack, cn0_dbhz: float) -> NDArray[np.bool_]:

@@ -27,7 +27,8 @@ anti-spoofing device for legacy civil GPS receivers" (ION ITM 2010); the scatter
 2018).
 
 Where an epoch scatters more than the noise explains, by the reference itself, the law of the mean
-is widened by as much.
+is widened by as much. A test ends with every epoch; the threshold is set for a rate of false alarms
+per hour and satellite, which its signals share (:mod:`.alarm_rate`).
 """
 
 from __future__ import annotations
@@ -42,6 +43,7 @@ from scipy.stats import f as f_law
 from scipy.stats import norm
 
 from sdr_spoof import _core
+from sdr_spoof.detectors.alarm_rate import mean_threshold_sigmas
 from sdr_spoof.detectors.config import DetectionConfig
 from sdr_spoof.detectors.presence import BELOW_DB, empty
 from sdr_spoof.detectors.series import StatisticSeries, signals_of
@@ -223,6 +225,12 @@ def _series(
         notes=(),
         signal=track.signal,
         share=share,
+        threshold_sigmas=mean_threshold_sigmas(
+            rows,
+            max(round(config.quality_reference_s / epochs.epoch_s), rows),
+            epochs.epoch_s,
+            config.false_alarms_per_hour * share,
+        ),
     )
 
 
