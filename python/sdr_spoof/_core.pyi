@@ -238,3 +238,13 @@ def solve_fixes(
     ekf: dict[str, float] | None = ...,
     threads: int = ...,
 ) -> dict[str, NDArray[Any]]: ...
+def solve_snapshot(
+    table: NDArray[np.float64],
+    reference_s: float,
+    phases: Sequence[tuple[int, int, int, float, int, float, float, float]],
+    settings_values: dict[str, Any],
+    place_m: Sequence[float],
+    time_s: float,
+    place_uncertainty_m: float,
+    time_uncertainty_s: float,
+) -> tuple[int, list[float], float, list[float], list[float], float, int] | None: ...

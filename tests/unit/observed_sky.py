@@ -142,7 +142,7 @@ class Sky:
             true_s = time_s + shift / (1 + drift / LIGHT) - clock_m / LIGHT
             own = place + velocity * shift
             travel = np.full(time_s.shape, 0.08)
-            for _ in range(8):
+            for _ in range(5):
                 state = states([e], np.zeros(time_s.size, int), true_s - travel, START)
                 angle = EARTH_RATE * travel
                 x, y, z = state.position_m.T

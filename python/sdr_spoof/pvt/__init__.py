@@ -5,6 +5,7 @@ known coarsely.
 """
 
 from .config import PvtConfig
+from .snapshot import CodePhase, code_phases, snapshot
 from .solution import solve
 
-__all__ = ["PvtConfig", "solve"]
+__all__ = ["CodePhase", "PvtConfig", "code_phases", "snapshot", "solve"]

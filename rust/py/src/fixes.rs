@@ -10,6 +10,7 @@ use sdr_spoof_core::nav_math::ekf::EkfSettings;
 use sdr_spoof_core::nav_math::ionosphere::Ionosphere;
 use sdr_spoof_core::nav_math::least_squares::Failure;
 use sdr_spoof_core::nav_math::measurement::Settings;
+use sdr_spoof_core::nav_math::snapshot::{CodePhase, Problem, Search};
 
 use crate::navigation::orbits;
 use crate::to_py;
@@ -187,6 +188,84 @@ fn to_dict<'py>(
     Ok(dict)
 }
 
+/// (satellite, system, group, carrier_hz, row, range_m, period_m, variance)
+type PhaseTuple = (usize, usize, usize, f64, usize, f64, f64, f64);
+
+/// Place and time from code phases; None where there is none.
+///
+/// Gives status, place (3), time, covariance of both (4 x 4), residuals, square sum and freedom.
+#[pyfunction]
+#[pyo3(signature = (table, reference_s, phases, settings_values, place_m, time_s,
+                    place_uncertainty_m, time_uncertainty_s))]
+#[allow(clippy::too_many_arguments, clippy::type_complexity)]
+fn solve_snapshot<'py>(
+    py: Python<'py>,
+    table: PyReadonlyArray2<'py, f64>,
+    reference_s: f64,
+    phases: Vec<PhaseTuple>,
+    settings_values: &Bound<'py, PyDict>,
+    place_m: [f64; 3],
+    time_s: f64,
+    place_uncertainty_m: f64,
+    time_uncertainty_s: f64,
+) -> PyResult<Option<(u8, [f64; 3], f64, Vec<f64>, Vec<f64>, f64, usize)>> {
+    let (orbits, settings) = (orbits(&table)?, settings(settings_values)?);
+    if phases
+        .iter()
+        .any(|p| p.4 >= orbits.len() || p.1 >= settings.ionosphere.len())
+    {
+        return Err(PyValueError::new_err(
+            "code phases and orbits do not fit together",
+        ));
+    }
+    let phases: Vec<CodePhase> = phases.into_iter().map(code_phase).collect();
+    let problem = Problem {
+        orbits: &orbits,
+        phases: &phases,
+        settings: &settings,
+    };
+    let search = Search {
+        place: place_m.into(),
+        place_uncertainty_m,
+        time_s,
+        time_uncertainty_s,
+        reference_s,
+    };
+    let found = py.detach(|| problem.solve(&search));
+    Ok(found.map(|s| {
+        let covariance = s.covariance.as_slice().to_vec();
+        let place: [f64; 3] = s.position.into();
+        (
+            s.status as u8,
+            place,
+            s.time_s,
+            covariance,
+            s.residual_m,
+            s.square_sum,
+            s.freedom,
+        )
+    }))
+}
+
+fn code_phase(
+    (satellite, system, group, carrier_hz, orbit, range_m, period_m, variance): PhaseTuple,
+) -> CodePhase {
+    let column = Column {
+        satellite,
+        system,
+        group,
+        carrier_hz,
+    };
+    CodePhase {
+        column,
+        orbit,
+        range_m,
+        period_m,
+        variance,
+    }
+}
+
 pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
-    m.add_function(wrap_pyfunction!(solve_fixes, m)?)
+    m.add_function(wrap_pyfunction!(solve_fixes, m)?)?;
+    m.add_function(wrap_pyfunction!(solve_snapshot, m)?)
 }

@@ -58,7 +58,7 @@ impl Unknowns {
     }
 
     /// Columns of a measurement's clock and bias.
-    fn columns(&self, m: &Measurement) -> (usize, Option<usize>) {
+    pub fn columns(&self, m: &Measurement) -> (usize, Option<usize>) {
         let clock = self
             .systems
             .iter()

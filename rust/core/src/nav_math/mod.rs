@@ -14,6 +14,7 @@ pub mod least_squares;
 pub mod measurement;
 pub mod orbit;
 pub mod raim;
+pub mod snapshot;
 pub mod troposphere;
 pub mod velocity;
 
