@@ -117,7 +117,9 @@ def process(
         with stages("Detecting"):
             verdict = detect(log, config.detection)
         with stages("Positioning"):
-            located, why_not = try_locate(log, config, verdict, recording.start)
+            located, why_not = try_locate(
+                log, config, verdict, start=recording.start, acquisitions=found
+            )
         with stages("Reporting") as progress:
             known: dict[str, Any] = {"acquisitions": found, "log": log, "verdict": verdict}
             more = located.records() if located is not None else {}

@@ -149,12 +149,12 @@ def test_an_empty_log(cold_log):
 
 def test_positioning_can_be_switched_off(cold_log):
     config = load_config(flags={"navigation.position": "false"})
-    assert try_locate(cold_log, config, None, None)[0] is None
+    assert try_locate(cold_log, config)[0] is None
 
 
 def test_a_missing_navigation_file_is_told(cold_log, tmp_path):
     config = load_config(flags={"navigation.files": str(tmp_path / "none.rnx")})
-    located, why = try_locate(cold_log, config, None, None)
+    located, why = try_locate(cold_log, config)
     assert located is None and "none.rnx" in why
 
 

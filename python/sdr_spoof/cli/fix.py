@@ -69,7 +69,13 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
     with output_folder(arguments.output):
         log, result = _received(arguments, settings, ui)
         with ui.stages("Positioning"):
-            found = locate(log, settings, result.verdict, start=result.start)
+            found = locate(
+                log,
+                settings,
+                result.verdict,
+                start=result.start,
+                acquisitions=result.acquisitions,
+            )
         result = replace(result, log=None, **found.records())
         chosen = arguments.formats
         paths = write_formats(arguments.output, found, result, chosen, force=arguments.force)

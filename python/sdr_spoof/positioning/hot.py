@@ -16,10 +16,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sdr_spoof.fixes import Status
 from sdr_spoof.nav.orbit import positions
 from sdr_spoof.nav.records import Anchor
 from sdr_spoof.nav.symbols import symbols_of
 from sdr_spoof.observables.runs import runs_of
+from sdr_spoof.pvt import CodePhase, snapshot
 from sdr_spoof.signals import signal_spec
 
 if TYPE_CHECKING:
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
     from sdr_spoof.nav.store import Store
     from sdr_spoof.nav.time import GnssTime
     from sdr_spoof.observables.runs import Run
+    from sdr_spoof.pvt import PvtConfig
     from sdr_spoof.records import SignalTrack, TrackLog
 
 LIGHT_M_S = 299_792_458.0
@@ -53,6 +56,64 @@ class _Counter:
     """A code phase at the start of a code period or symbol."""
     expected: GnssTime
     """Predicted transmit time of that code phase, by the satellite's clock."""
+
+
+def anchors_by(
+    log: TrackLog,
+    store: Store,
+    start: GnssTime,
+    place_m: NDArray[np.float64],
+    config: PvtConfig,
+) -> tuple[tuple[Anchor, ...], tuple[str, ...]]:
+    """Anchors, and what is to be said of them, by a coarse time and place.
+
+    A snapshot of all code phases at one instant first finds both well enough.
+
+    Args:
+        log: tracks.
+        store: ephemerides.
+        start: GPST of the first sample, to ``config.time_uncertainty_s``.
+        place_m: where the receiver was, ECEF (3,), to ``config.place_uncertainty_m``.
+        config: what the snapshot uses.
+    """
+    at_s, phases = snapshot_phases(log)
+    if not phases:
+        return (), ("no signal was tracked long enough for a snapshot",)
+    fix = snapshot(phases, store, place_m, start + at_s, config)
+    if not fix.fixed.any():
+        return (), (f"no fix by a snapshot of code phases: {fix.reason(0)}",)
+    if fix.status[0] == Status.SUSPECT:
+        return (), (
+            "a snapshot of code phases contradicts itself: time, place or navigation file may be "
+            "farther off than said",
+        )
+    found = start + (fix.time(0) - (start + at_s))
+    anchors = anchors_at(log, store, found, fix.position_m[0])
+    late_s = found - start
+    return anchors, (f"time from a snapshot of code phases, {late_s:+.3f} s against the one given",)
+
+
+def snapshot_phases(log: TrackLog) -> tuple[float, list[CodePhase]]:
+    """Sample time at which most signals are tracked, and their code phases then."""
+    runs = [(track, run.outline()) for track in log.signals for run in runs_of(track)]
+    if not runs:
+        return 0.0, []
+    starts = sorted(float(run.time_s[0]) for _, run in runs)
+    covered = [
+        (sum(run.time_s[0] <= at <= run.time_s[-1] for _, run in runs), -at) for at in starts
+    ]
+    at_s = -max(covered)[1]
+    phases = []
+    for track, run in runs:
+        if run.time_s[0] <= at_s <= run.time_s[-1]:
+            spec = run.spec
+            code_s = float(np.interp(at_s, run.time_s, run.code_s)) + at_s
+            slope = np.polyfit(run.time_s[:2], run.phase_cycles[:2], 1)[0]
+            doppler_hz = -float(slope)
+            left_s = -code_s % spec.period_s / (1.0 + doppler_hz / spec.carrier_hz)
+            cn0 = float(np.interp(at_s, run.time_s, run.cn0_dbhz))
+            phases.append(CodePhase(spec.system, track.prn, track.signal, left_s, cn0, doppler_hz))
+    return at_s, phases
 
 
 def anchors_at(

@@ -17,10 +17,12 @@ from sdr_spoof.nav.store import Store
 from sdr_spoof.nav.time import GnssTime
 from sdr_spoof.observables import ReceiverClock, observe
 
-from .hot import anchors_at
+from .hot import anchors_by
 from .route import route_of
+from .single import single_fix
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from datetime import datetime
 
     from numpy.typing import NDArray
@@ -29,7 +31,7 @@ if TYPE_CHECKING:
     from sdr_spoof.fixes import Fixes
     from sdr_spoof.nav.records import Navigation
     from sdr_spoof.observations import Observations
-    from sdr_spoof.records import TrackLog, Verdict
+    from sdr_spoof.records import Acquisition, TrackLog, Verdict
     from sdr_spoof.route import Route
 
 
@@ -66,6 +68,7 @@ def locate(
     verdict: Verdict | None = None,
     *,
     start: datetime | None = None,
+    acquisitions: Sequence[Acquisition] = (),
 ) -> Located:
     """Positions from a log of tracks; satellites that the verdict calls spoofed are left out.
 
@@ -74,6 +77,7 @@ def locate(
         config: its groups ``navigation``, ``observables`` and ``pvt``.
         verdict: what the detectors said.
         start: UTC of the first sample, where ``config.navigation.time`` does not tell it.
+        acquisitions: used where the recording is too short for any track.
 
     Raises:
         NavigationError: a navigation file cannot be read, or a model that the configuration
@@ -84,48 +88,59 @@ def locate(
     navigation = decode(log, near)
     for path in config.navigation.files:
         told = read_navigation(path)
-        notes = navigation.notes + told.notes
-        navigation = replace(navigation + told, notes=notes)
+        navigation = _noted(navigation + told, *told.notes)
+    found = None
     if not navigation.anchors:
-        navigation = _hot(log, navigation, config, near)
-    seen, fixes = _fixes(log, navigation, config, verdict)
+        navigation, found = _hot(log, navigation, config, near, acquisitions)
+    seen, fixes = found or _fixes(log, navigation, config, verdict)
     route = route_of(fixes, seen, verdict)
     notes = (*navigation.notes, *seen.notes, *_reasons(fixes))
     return Located(navigation, seen, fixes, route, tuple(dict.fromkeys(notes)))
 
 
 def try_locate(
-    log: TrackLog, config: Config, verdict: Verdict | None, start: datetime | None
+    log: TrackLog, config: Config, verdict: Verdict | None = None, **more: Any
 ) -> tuple[Located | None, str]:
-    """Locate where the recording allows; otherwise None, and why, in a sentence."""
+    """As :func:`locate` where the recording allows; otherwise None, and why, in a sentence."""
     if not config.navigation.position:
         return None, "not asked for (navigation.position = false)"
     try:
-        return locate(log, config, verdict, start=start), ""
+        return locate(log, config, verdict, **more), ""
     except NavigationError as error:
         return None, str(error)
 
 
+def _noted(navigation: Navigation, *notes: str) -> Navigation:
+    return replace(navigation, notes=(*navigation.notes, *notes))
+
+
 def _hot(
-    log: TrackLog, navigation: Navigation, config: Config, near: GnssTime | None
-) -> Navigation:
-    """Add anchors by a known time, place and orbits, where no message tells them."""
+    log: TrackLog,
+    navigation: Navigation,
+    config: Config,
+    near: GnssTime | None,
+    acquisitions: Sequence[Acquisition],
+) -> tuple[Navigation, tuple[Observations, Fixes] | None]:
+    """Add anchors by a known time, place and orbits, where no message tells them.
+
+    Also the fix, where nothing was tracked and code phases of the acquisition must do.
+    """
     place = config.navigation.place
-    missing = [
-        name
-        for name, there in (
-            ("a navigation file", navigation.ephemerides),
-            ("the time of the first sample", near),
-            ("a place", place),
-        )
-        if not there
-    ]
+    needed = {
+        "a navigation file": bool(navigation.ephemerides),
+        "the time of the first sample": near is not None,
+        "a place": place is not None,
+    }
+    missing = [name for name, there in needed.items() if not there]
     if near is None or place is None or missing:
-        told = f"no message was received in full; a fix needs {', '.join(missing)} too"
-        return replace(navigation, notes=(*navigation.notes, told))
-    store = Store(navigation)
-    anchors = anchors_at(log, store, near, geodetic_to_ecef(place))
-    return replace(navigation, anchors=anchors)
+        lacking = f"no message was received in full; a fix needs {', '.join(missing)} too"
+        return _noted(navigation, lacking), None
+    aid = Store(navigation), near, geodetic_to_ecef(place), config.pvt
+    anchors, told = anchors_by(log, *aid)
+    navigation = _noted(replace(navigation, anchors=anchors), *told)
+    if anchors or any(t.epochs for t in log.signals):
+        return navigation, None
+    return navigation, single_fix(acquisitions, log.sample_rate_hz, *aid)
 
 
 def _fixes(
