@@ -12,6 +12,7 @@ import pytest
 from sdr_spoof import simulate
 from sdr_spoof.config import Config, load_config
 from sdr_spoof.fixes import Status
+from sdr_spoof.nav.beidou_satellites import GEO
 from sdr_spoof.nav.geodesy import enu, geodetic_to_ecef
 from sdr_spoof.positioning import locate, try_locate
 from sdr_spoof.positioning.summary import sentences, summarise
@@ -69,7 +70,9 @@ def cold(cold_log):
 
 @pytest.fixture(scope="module")
 def short_log(tmp_path_factory):
-    return sky_log(tmp_path_factory.mktemp("short"), 4.0)
+    """No subframe of D1 begins in it; without the satellites that send D2, whose are 0.6 s."""
+    log = sky_log(tmp_path_factory.mktemp("short"), 2.05)
+    return replace(log, signals=tuple(t for t in log.signals if t.prn not in GEO))
 
 
 def errors_m(found):
@@ -95,26 +98,37 @@ def test_summary(cold):
     summary = summarise(cold)
     assert summary.fixes == summary.epochs == len(cold.route.times)
     assert summary.latitude_deg == pytest.approx(31.2, abs=1e-5)
-    assert "31.2000" in next(sentences(summary))
+    assert "° N, " in next(sentences(summary))
     assert summary.left_out == () and len(summary.satellites) > 6
 
 
 def test_spoofed_satellites_are_left_out_and_named(cold_log):
-    verdict = Verdict(True, (SatelliteVerdict(21, "spoofed", (), "", onset_s=10.0),), "")
+    verdict = Verdict(True, (SatelliteVerdict(27, "spoofed", (), "", onset_s=10.0),), "")
     found = locate(cold_log, load_config(flags=PLAIN), verdict)
-    view = next(s for s in found.route.satellites if s.name == "C21")
+    view = next(s for s in found.route.satellites if s.name == "C27")
     late = found.route.sample_time_s >= 10.0
     assert view.used[~late].any() and not view.used[late].any()
     assert (found.route.alarm == np.where(late, Alarm.SPOOFED, Alarm.NONE)).all()
-    assert summarise(found).left_out == ("C21",)
+    assert summarise(found).left_out == ("C27",)
 
 
 def test_hot_start_of_a_short_recording(short_log):
-    """Four seconds hold no message: orbits, time and place from elsewhere give a fix."""
+    """Two seconds hold no message: orbits, time and place from elsewhere give a fix."""
     found = locate(short_log, load_config(flags=HOT))
     error = errors_m(found)
     assert len(error) >= 1
     assert np.hypot(*error[:, :2].T).max() < 3.0
+
+
+@pytest.mark.parametrize("late_s", [-40.0, 3.7])
+def test_hot_start_with_a_coarse_time(short_log, late_s):
+    """The time given is off; the snapshot finds it, and the fixes' clock the rest."""
+    time = (START + timedelta(seconds=late_s)).isoformat()
+    found = locate(short_log, load_config(flags=HOT | {"navigation.time": time}))
+    error = errors_m(found)
+    assert len(error) >= 1 and np.hypot(*error[:, :2].T).max() < 3.0
+    since_s = (found.route.times[0].utc() - START).total_seconds()
+    assert since_s == pytest.approx(found.route.sample_time_s[0], abs=1e-5)
 
 
 def test_time_from_the_recording(short_log):

@@ -63,6 +63,7 @@ def outcome(processed: Processed, ui: Ui, *, files: bool = True) -> Outcome:
 
     if processed.log.partial:
         ui.note(f"interrupted: the results are partial, up to {processed.log.duration_s:.3f} s")
+    why_not = processed.why_not_located
     position = summarise(processed.located) if processed.located is not None else None
     data = {
         "recording": processed.recording.path,
@@ -74,7 +75,7 @@ def outcome(processed: Processed, ui: Ui, *, files: bool = True) -> Outcome:
         "second_peaks": processed.log.second_peaks,
         "verdict": processed.verdict,
         "position": position,
-        "no_position": processed.why_not_located or None,
+        "no_position": why_not or None,
         "result": processed.result_path,
         "report": processed.report_path,
     }
@@ -83,9 +84,9 @@ def outcome(processed: Processed, ui: Ui, *, files: bool = True) -> Outcome:
         console.print(tables.acquisitions(processed.acquisitions))
         console.print(tables.tracks(processed.log.signals))
         print_verdict(processed.verdict, console, processed.config.detection)
-        told = sentences(position) if position else [f"No position: {processed.why_not_located}"]
-        console.print("\n".join(["", *told]), highlight=False, soft_wrap=True, markup=False)
         if files:
+            told = sentences(position) if position else [f"No position: {why_not}"]
+            console.print("\n".join(["", *told]), highlight=False, soft_wrap=True, markup=False)
             console.print(f"\n{outputs(processed)}", highlight=False, soft_wrap=True)
 
     return Outcome(data, render, INTERRUPTED if processed.log.partial else 0)

@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 LIGHT_M_S = 299_792_458.0
 EARTH_RATE = 7.2921150e-5
 """rad/s: WGS-84 and CGCS2000 alike, to 5e-9 of it."""
+SETTLING_S = 1.0
+"""The code loop of 1 Hz has settled after this, to 2 % of where it began."""
 UNSURE = 0.35
 """A counter that lies farther than this from a multiple, in periods, is not resolved."""
 
@@ -98,11 +100,8 @@ def snapshot_phases(log: TrackLog) -> tuple[float, list[CodePhase]]:
     runs = [(track, run.outline()) for track in log.signals for run in runs_of(track)]
     if not runs:
         return 0.0, []
-    starts = sorted(float(run.time_s[0]) for _, run in runs)
-    covered = [
-        (sum(run.time_s[0] <= at <= run.time_s[-1] for _, run in runs), -at) for at in starts
-    ]
-    at_s = -max(covered)[1]
+    bounds = [(float(run.time_s[0]), float(run.time_s[-1])) for _, run in runs]
+    at_s = _instant([b for b in bounds if b[1] - b[0] > SETTLING_S] or bounds)
     phases = []
     for track, run in runs:
         if run.time_s[0] <= at_s <= run.time_s[-1]:
@@ -114,6 +113,17 @@ def snapshot_phases(log: TrackLog) -> tuple[float, list[CodePhase]]:
             cn0 = float(np.interp(at_s, run.time_s, run.cn0_dbhz))
             phases.append(CodePhase(spec.system, track.prn, track.signal, left_s, cn0, doppler_hz))
     return at_s, phases
+
+
+def _instant(bounds: Sequence[tuple[float, float]]) -> float:
+    """Middle of the first time in which most of the runs go on together, their start left out."""
+    settled = [(begin + min(SETTLING_S, 0.5 * (end - begin)), end) for begin, end in bounds]
+
+    def going(at_s: float) -> list[tuple[float, float]]:
+        return [b for b in settled if b[0] <= at_s <= b[1]]
+
+    best = max((begin for begin, _ in settled), key=lambda at_s: (len(going(at_s)), -at_s))
+    return 0.5 * (best + min(end for _, end in going(best)))
 
 
 def anchors_at(

@@ -9,7 +9,7 @@ import numpy as np
 
 from sdr_spoof import pvt
 from sdr_spoof.errors import NavigationError
-from sdr_spoof.fixes import Cause, Status
+from sdr_spoof.fixes import CAUSES, Cause, Status
 from sdr_spoof.nav.frames import decode
 from sdr_spoof.nav.geodesy import geodetic_to_ecef
 from sdr_spoof.nav.rinex_nav import read_navigation
@@ -191,7 +191,14 @@ C = 299_792_458.0
 
 def _reasons(fixes: Fixes) -> list[str]:
     """Why satellites were left out, and why there is no fix, in words."""
-    reasons = [str(e) for e in fixes.excluded if e.cause not in (Cause.LOW, Cause.NO_FIX)]
+    left_out: dict[Cause, dict[str, None]] = {}
+    for e in fixes.excluded:
+        if e.cause not in (Cause.LOW, Cause.NO_FIX):
+            left_out.setdefault(e.cause, {})[e.satellite] = None
+    reasons = [f"{CAUSES[cause]}: {', '.join(names)}" for cause, names in left_out.items()]
     if fixes.epochs and not fixes.fixed.any():
-        reasons.append(f"no fix: {fixes.reason(fixes.epochs - 1)}")
+        hint = ""
+        if Cause.NO_EPHEMERIS in left_out:
+            hint = "; a navigation file would tell the orbits that were not received in full"
+        reasons.append(f"no fix: {fixes.reason(fixes.epochs - 1)}{hint}")
     return reasons
