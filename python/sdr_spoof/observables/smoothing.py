@@ -12,7 +12,6 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.signal import lfilter
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -32,6 +31,8 @@ def smoothed(run: Run, time_constant_s: float) -> Run:
 
 def _mean(values: NDArray[np.float64], keep: float) -> NDArray[np.float64]:
     """Mean of all values up to each, weighted by ``keep`` to the power of their age."""
+    from scipy.signal import lfilter  # noqa: PLC0415 - slow to import, rarely needed
+
     start = values[0]
     total = lfilter([1.0], [1.0, -keep], values - start)
     weight = lfilter([1.0], [1.0, -keep], np.ones_like(values))
