@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import chain
 
 import numpy as np
@@ -33,16 +33,22 @@ LATER_S = (0.0, 0.5, 1.0, 2.0)
 do not tell the band."""
 
 
-def detect(log: TrackLog, config: DetectionConfig | None = None) -> Verdict:
+def detect(
+    log: TrackLog,
+    config: DetectionConfig | None = None,
+    look: Callable[[StatisticSeries], None] | None = None,
+) -> Verdict:
     """What the configured detectors say of every satellite in the log, and overall.
 
-    Raises ConfigError for an unknown detector or rule. Deterministic: the same log and
-    configuration give the same verdict.
+    ``look`` is shown every series before it goes. Raises ConfigError for an unknown detector or
+    rule. Deterministic: the same log and configuration give the same verdict.
     """
     config = config or DetectionConfig()
     by_satellite: dict[tuple[str, int], list[Examined]] = defaultdict(list)
     for series in statistics(log, config):
         by_satellite[series.system, series.prn].append(_examine(log, series, config))
+        if look is not None:
+            look(series)
         del series  # before the next one is made: they are large
     satellites = tuple(
         judge(log, system, prn, by_satellite[system, prn], config)

@@ -12,6 +12,7 @@ from sdr_spoof.nav.beidou_satellites import GEO
 from sdr_spoof.nav.bits import number_of
 from sdr_spoof.nav.broadcast import Broadcast, TimeOffset
 from sdr_spoof.nav.messages import MESSAGES, message_on
+from sdr_spoof.nav.plausible import objection
 from sdr_spoof.nav.records import SymbolRun
 from sdr_spoof.nav.time import GnssTime
 
@@ -221,6 +222,26 @@ def test_unhealthy_satellites_say_so() -> None:
         sick = replace(data, ephemeris=replace(data.ephemeris, health=1))
         _, contents = _read(message, prn, NOON, 36.5, sick)
         assert contents.ephemerides[0].health == 1
+
+
+@pytest.mark.parametrize("message", ["D1", "D2", "LNAV"])
+def test_whatever_bits_say_nothing_is_raised(message) -> None:
+    prn = {"D1": 27, "D2": 3, "LNAV": 12}[message]
+    encoder = MESSAGES[message]
+    frames, _ = _read(message, prn, NOON, 33.0, near=NOON)
+    rng = np.random.default_rng(12)
+    garbled = []
+    for n in range(400):
+        bits = rng.integers(0, 2, 300).astype(np.uint8)
+        if n % 4 == 0:
+            bits[:] = n // 4 % 2
+        page = int(rng.integers(0, 128))
+        number = int(rng.integers(1, 6))
+        frame = replace(frames[n % 5], bits=bits, number=number, page=page, ok=True)
+        garbled.append(replace(frame, transmitted=NOON + 0.6 * n))
+    contents = encoder.read(garbled)
+    for e in contents.ephemerides:
+        assert objection(e) is None or isinstance(objection(e), str)
 
 
 def test_frames_of_different_hours_are_not_mixed() -> None:

@@ -70,6 +70,8 @@ def test_version_3_with_its_header() -> None:
     bds, gps_utc = known.utc
     assert (gps_utc.system, gps_utc.reference) == ("G", GnssTime.of_week(2253, 503_808))
     assert (bds.system, bds.leap_s, bds.reference) == ("C", 4, GnssTime.of_week(897, 14, "C"))
+    assert (bds.leap_week, bds.leap_day) == (573, 6)
+    assert (gps_utc.leap_week, gps_utc.leap_day) == (1929, 7)
     assert known.notes == ()
 
 

@@ -23,6 +23,7 @@ STUDIES = {
     "combo": "combo.json",
     "fallback": "fallback.json",
     "levels": "levels.json",
+    "bcnav1": "bcnav1.json",
     "speed": "speed.json",
 }
 """Name of a study, and the file that it writes last."""
@@ -84,6 +85,11 @@ def _study(arguments: argparse.Namespace, folder: Path, progress: Any) -> dict[s
 
         seeds = max(2, round(20 * share))
         return combo.run(folder, seeds=seeds, threads=arguments.threads, progress=progress)
+    if arguments.study == "bcnav1":
+        from sdr_spoof.studies import bcnav1  # noqa: PLC0415
+
+        frames = max(100, round(2000 * share))
+        return bcnav1.run(folder, frames=frames, threads=arguments.threads, progress=progress)
     if arguments.study == "fallback":
         from sdr_spoof.studies import fallback  # noqa: PLC0415
 

@@ -39,8 +39,7 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import f as f_law
-from scipy.stats import norm
+from scipy.special import fdtr, fdtrc, ndtri
 
 from sdr_spoof import _core
 from sdr_spoof.detectors.alarm_rate import mean_threshold_sigmas
@@ -306,6 +305,10 @@ def _f_to_normal(test: _Sums, reference: _Sums) -> NDArray[np.float64]:
     ratio = test.scatter / np.maximum(reference.scatter, 1e-30)
     freedom = test.count - 1.0, reference.count - 1.0
     tiny = 10.0**-ODDS_FLOOR
-    upper = np.maximum(f_law.sf(ratio, *freedom), tiny)
-    lower = np.maximum(f_law.cdf(ratio, *freedom), tiny)
-    return np.asarray(np.where(upper < lower, norm.isf(upper), norm.ppf(lower)))
+    # Of the two tails the one that is less than about a half keeps its precision.
+    high = ratio > 1.0
+    quantile = np.empty(ratio.shape)
+    for side, tail, sign in ((high, fdtrc, -1.0), (~high, fdtr, 1.0)):
+        p = tail(freedom[0][side], freedom[1][side], ratio[side])
+        quantile[side] = sign * ndtri(np.maximum(p, tiny))
+    return quantile

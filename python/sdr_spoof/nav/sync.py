@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from math import comb
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from scipy.stats import binom
 
 from .bits import PAGE_BITS
 
@@ -124,7 +124,7 @@ def _sure(values: NDArray[np.float32], framing: Framing) -> list[Found]:
         signs = np.where(errors[part] <= MOST_ERRORS, 1, -1)
         soft = windows(values, part) * signs[:, None].astype(np.float32)
         chance = framing.chances(soft, values.size - part) + framing.log10_chance
-        chance += np.log10(2 * binom.cdf(fewest[part], size, 0.5))
+        chance += np.log10(2.0) + word_chances(size, 0.5)[size, fewest[part]]
         likely = chance < SURE
         indices = framing.indices(soft[likely], MOST_DOUBT)
         found += _timed(indices, part[likely], signs[likely], chance[likely])
@@ -176,6 +176,8 @@ def _wanted(last: int, known: list[Found]) -> dict[int, int]:
 @cache
 def word_chances(words: int, share: float) -> NDArray[np.float64]:
     """log10 of the chance that at most k of n words fail, a random one with this share: [n, k]."""
-    n = np.arange(words + 1)
-    chances = binom.cdf(n[None, :], n[:, None], share)
-    return np.asarray(np.log10(np.maximum(chances, 1e-300)))
+    table = np.zeros((words + 1, words + 1))
+    for n in range(words + 1):
+        chances = [comb(n, k) * share**k * (1 - share) ** (n - k) for k in range(n + 1)]
+        table[n, : n + 1] = np.log10(np.cumsum(chances))
+    return table

@@ -186,8 +186,12 @@ class Position(Attack):
 
     def view(self, track: Track) -> View:
         """A satellite as it is seen from the false place at the false time."""
-        extra_s = 1e-9 * self.clock_rate_ppb * self._dragged_s(track.sky.time_s)
-        return track.sky.view(track.ephemeris, self.place_m(track.sky), extra_s)
+        late_s = self.late_s(track.sky.time_s)
+        return track.sky.view(track.ephemeris, self.place_m(track.sky), late_s)
+
+    def late_s(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
+        """By how much all counterfeits come later than the false place asks for."""
+        return np.asarray(1e-9 * self.clock_rate_ppb * self._dragged_s(time_s))
 
     @property
     def _full_s(self) -> float:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from sdr_spoof.nav.messages import MESSAGES
+from sdr_spoof.nav.messages import message_on
 
 if TYPE_CHECKING:
     import numpy as np
@@ -20,12 +19,8 @@ def symbols(
 ) -> NDArray[np.int8] | None:
     """Symbols +1 and -1 of a registry signal from a time of the satellite's on.
 
-    The orbit is sent in whichever message the signal carries, its own or another's: B-CNAV1 has
-    finer fields than D1. None if no message of the signal is known.
+    The orbit is sent in whichever message the signal carries: B-CNAV1 has finer fields than D1.
+    None if no message of the signal is known.
     """
-    own = content.ephemeris
-    for message in MESSAGES.values():
-        if message.sent_on(signal, own.prn):
-            ephemeris = replace(own, message=message.name)
-            return message.encode(replace(content, ephemeris=ephemeris), start, duration_s)
-    return None
+    message = message_on(signal, content.ephemeris.prn)
+    return None if message is None else message.encode(content, start, duration_s)

@@ -36,6 +36,8 @@ CODE_GRID_S = 18
 """Secondary codes and messages of all signals begin together at multiples of this of a week: the
 frame of B-CNAV1 (BDS-SIS-ICD-B1C-1.0, 5.2.3 and 6.2.1); subframes of D1 and LNAV are a third of it,
 those of D2 a 30th."""
+BDS3_FROM = 19
+"""PRN from which on BDS satellites are of the third generation, which sends B1C."""
 _LOOK_S = 30.0
 """Spacing at which satellites are looked for above the mask."""
 _SLOW_S = 1.0
@@ -170,8 +172,11 @@ class Track:
     def signals(self) -> tuple[str, ...]:
         """What it sends of the signals of the table."""
         system, prn = self.ephemeris.system, self.ephemeris.prn
-        wanted = self.sky.table.override(system, prn).signals or self.sky.table.signals
+        named = self.sky.table.override(system, prn).signals
+        wanted = named or self.sky.table.signals
         parts = {s: [signal_spec(c) for c in components(s)] for s in wanted}
+        if named is None and system == "C" and prn < BDS3_FROM:
+            parts = {s: specs for s, specs in parts.items() if specs[0].composite != "B1C"}
         return tuple(
             s
             for s, specs in parts.items()
