@@ -27,6 +27,9 @@ class ObservablesConfig(BaseModel):
         description="rows to which a parabola is fitted around an epoch; 0.1 s has about the "
         "noise bandwidth of a 10 Hz phase loop, without its lag",
     )
+    subcarrier_window_s: float = Field(
+        0.5, gt=0, le=5, description="the same for the pseudorange of a combo's subcarrier"
+    )
     smoothing_s: float = Field(
         0.0,
         ge=0,

@@ -91,8 +91,11 @@ def _read_combo(
         known = [replace(span, run=upper[span.index]) for span in spans]
         signed = [(run, _sign(pair[0], run, navigation)) for run in lower]
         delays = _group_delays(combo, system, navigation)
-        for span, half in subcarrier_spans(combo, known, signed, delays):
-            fits &= fill(column, span, None, epochs, config.window_s)
+        for beat, half in subcarrier_spans(combo, known, signed, delays):
+            span = beat
+            if config.smoothing_s > 0.0:
+                span = replace(span, run=smoothed(span.run, config.smoothing_s))
+            fits &= fill(column, span, None, epochs, config.subcarrier_window_s)
             within = (epochs.sample_time_s >= span.from_s) & (epochs.sample_time_s <= span.until_s)
             column.half_cycle[within] = half
             begun = within.argmax()

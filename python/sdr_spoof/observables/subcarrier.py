@@ -4,7 +4,7 @@ The beat turns once in 20.93 m. Where the sign of B1I is known from its message,
 codes chooses between steps of that; where it is not, half a cycle of B1I's phase is open, and the
 steps are 10.47 m (docs/conventions.md, subcarrier range). Group delays that the satellite states
 are taken out of the codes before the choice. The result is that of a :class:`Run` whose code time
-is the beat's, on the counter of the upper signal.
+is the beat's, on the counter of the upper signal, and whose phase is that signal's.
 """
 
 from __future__ import annotations
@@ -106,7 +106,7 @@ def _resolved(
         time_s=rows.time_s,
         code_s=-beat_s,
         code_error_s=np.zeros(rows.epochs),
-        phase_cycles=np.full(rows.epochs, np.nan),
+        phase_cycles=rows.phase_upper_cycles,
         cn0_dbhz=cn0,
         slipped=nothing,
         settled=astray <= ASTRAY * step_s,
