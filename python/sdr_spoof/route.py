@@ -31,7 +31,8 @@ ALARM_COLOURS = {Alarm.NONE: "#00694f", Alarm.SUSPECT: "#c98a00", Alarm.SPOOFED:
 
 
 class Quality(IntEnum):
-    """Whether there is a fix, and whether its own residuals speak against it."""
+    """Whether there is a fix, and whether anything speaks against it: its own residuals, or that
+    it rests on satellites under suspicion while others are spoofed."""
 
     NONE = 0
     FIX = 1

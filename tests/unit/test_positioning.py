@@ -17,8 +17,9 @@ from sdr_spoof.nav.geodesy import enu, geodetic_to_ecef
 from sdr_spoof.positioning import locate, try_locate
 from sdr_spoof.positioning.summary import sentences, summarise
 from sdr_spoof.records import SatelliteVerdict, Verdict
-from sdr_spoof.route import Alarm
-from sdr_spoof.scenario import load_scenario
+from sdr_spoof.route import Alarm, Quality
+from sdr_spoof.scenario import load_scenario, synthesize
+from sdr_spoof.sources import open_recording
 
 PLACE = (31.2, 121.5, 30.0)
 START = datetime(2023, 3, 12, 12, 0, tzinfo=UTC)
@@ -110,6 +111,25 @@ def test_spoofed_satellites_are_left_out_and_named(cold_log):
     assert view.used[~late].any() and not view.used[late].any()
     assert (found.route.alarm == np.where(late, Alarm.SPOOFED, Alarm.NONE)).all()
     assert summarise(found).left_out == ("C27",)
+
+
+def test_fixes_on_suspects_are_suspect(cold_log):
+    """Where one satellite is spoofed, another under suspicion is hardly innocent."""
+    told = (
+        SatelliteVerdict(27, "spoofed", (), "", onset_s=20.0),
+        SatelliteVerdict(29, "suspect", (), "", onset_s=10.0),
+    )
+    found = locate(cold_log, load_config(flags=PLAIN), Verdict(True, told, ""))
+    late = found.route.sample_time_s >= 20.0
+    assert (found.route.quality == np.where(late, Quality.SUSPECT, Quality.FIX)).all()
+    assert summarise(found).suspect == late.sum()
+
+
+def test_a_synthesised_sky_tells_when_it_began(tmp_path):
+    path = tmp_path / "sky.toml"
+    path.write_text(SKY.format(duration=0.01, signals='"B1I"', rate=10e6, lo=1561.098e6))
+    meta = synthesize(load_scenario(path), tmp_path / "rec")
+    assert open_recording(meta).start == START
 
 
 def test_hot_start_of_a_short_recording(short_log):

@@ -250,6 +250,8 @@ def test_sigmf_start_of_the_recording(tmp_path: Path, text: str, seconds: float)
     start = open_recording(meta).start
     assert start is not None
     assert (start - datetime(2023, 3, 12, tzinfo=UTC)).total_seconds() == seconds
+    sigmf_file.write_meta(tmp_path / "a", with_format("ci8"), start=start)
+    assert open_recording(meta).start == start
     document["captures"][0]["core:datetime"] = "yesterday"
     meta.write_text(json.dumps(document))
     with pytest.raises(RecordingError, match="yesterday"):

@@ -14,7 +14,7 @@ from sdr_spoof.route import Alarm, Quality, Route, SatelliteView
 from sdr_spoof.signals import satellite_name
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -41,6 +41,7 @@ def route_of(fixes: Fixes, seen: Observations, verdict: Verdict | None = None) -
     for i in np.flatnonzero(fixes.fixed):
         turn[i] = enu_matrix(float(place[i, 0]), float(place[i, 1]))
     said = _said(seen, verdict)
+    views = tuple(_views(fixes, seen, said))
     variance = np.einsum("eij,ejk,eik->ei", turn, fixes.covariance_m2, turn)
     return Route(
         times=tuple(fixes.time(i) for i in range(fixes.epochs)),
@@ -51,10 +52,24 @@ def route_of(fixes: Fixes, seen: Observations, verdict: Verdict | None = None) -
         velocity_enu_m_s=np.einsum("eij,ej->ei", turn, fixes.velocity_m_s),
         sigma_enu_m=np.sqrt(np.maximum(variance, 0.0)),
         dop=fixes.dop[:, [DOP_NAMES.index(name) for name in ("PDOP", "HDOP", "VDOP")]],
-        quality=np.array([QUALITIES[Status(s)] for s in fixes.status], np.uint8),
+        quality=_quality(fixes, views),
         alarm=np.max([np.zeros(fixes.epochs, np.uint8), *said.values()], axis=0),
-        satellites=tuple(_views(fixes, seen, said)),
+        satellites=views,
     )
+
+
+def _quality(fixes: Fixes, views: Sequence[SatelliteView]) -> NDArray[np.uint8]:
+    """Of each fix: suspect if its residuals say so, or if it rests on satellites under suspicion
+    while others are spoofed: where one is, they hardly are innocent.
+    """
+    quality = np.array([QUALITIES[Status(s)] for s in fixes.status], np.uint8)
+    under_attack = np.zeros(fixes.epochs, np.bool_)
+    relied_on = np.zeros(fixes.epochs, np.bool_)
+    for view in views:
+        under_attack |= view.alarm == Alarm.SPOOFED
+        relied_on |= view.used & (view.alarm == Alarm.SUSPECT)
+    quality[under_attack & relied_on & fixes.fixed] = Quality.SUSPECT
+    return quality
 
 
 def _said(seen: Observations, verdict: Verdict | None) -> Said:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sdr_spoof.fixes import Status
+from sdr_spoof.route import Quality
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -22,7 +22,8 @@ class Summary:
     epochs: int
     fixes: int
     suspect: int
-    """Fixes that contradict themselves; they are not in the medians."""
+    """Fixes that contradict themselves, or rest on satellites under suspicion while others are
+    spoofed; they are not in the medians."""
     first_fix_s: float | None
     """Time of the first fix since the first sample."""
     first_fix_utc: str | None
@@ -43,7 +44,7 @@ def summarise(found: Located) -> Summary:
     """Numbers of a located recording."""
     fixes, route = found.fixes, found.route
     rows = np.flatnonzero(fixes.fixed)
-    good = np.flatnonzero(fixes.fixed & (fixes.status != Status.SUSPECT))
+    good = np.flatnonzero(route.quality == Quality.FIX)
 
     def middle(values: np.ndarray) -> float | None:
         kept = values[good][np.isfinite(values[good])]
@@ -85,6 +86,9 @@ def sentences(summary: Summary) -> Iterator[str]:
         f"{summary.first_fix_s:.1f} s, at {summary.first_fix_utc}"
     )
     if summary.suspect:
-        yield f"{summary.suspect} of them contradict themselves: do not trust them"
+        yield (
+            f"{summary.suspect} of them are not to be trusted: they contradict themselves, or rest "
+            "on satellites under suspicion while others are spoofed"
+        )
     if summary.left_out:
         yield f"Left out as spoofed: {', '.join(summary.left_out)}"

@@ -3,7 +3,8 @@
 The talker is the system of the satellites used (GB for BeiDou, GP, GA), GN for several. GSV go by
 system and signal. There is no geoid model: altitudes are above the ellipsoid, with a separation of
 zero. The navigational status of RMC tells what the detectors say: S (safe), C (caution: a satellite
-was under suspicion or left out as spoofed), U (unsafe: the fix contradicts itself).
+was under suspicion or left out as spoofed), U (unsafe: the fix contradicts itself, or rests on
+satellites under suspicion while others are spoofed).
 """
 
 from __future__ import annotations

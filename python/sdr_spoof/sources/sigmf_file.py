@@ -63,7 +63,10 @@ def describe(path: Path) -> Description:
 
 
 def write_meta(
-    stem: Path | str, format: RecordingFormat, extra: dict[str, Any] | None = None
+    stem: Path | str,
+    format: RecordingFormat,
+    extra: dict[str, Any] | None = None,
+    start: datetime | None = None,
 ) -> Path:
     """Write ``<stem>.sigmf-meta`` for samples in ``<stem>.sigmf-data``; replaces an older one.
 
@@ -72,6 +75,7 @@ def write_meta(
         format: format of the samples.
         extra: more global fields, written as ``sdr_spoof:<key>``; any JSON value. ``description``
             becomes ``core:description``.
+        start: UTC of the first sample, where it is known.
 
     Raises:
         ConfigError: a 2-bit format, which SigMF does not know.
@@ -84,6 +88,9 @@ def write_meta(
     capture: dict[str, Any] = {"core:frequency": sum(format.band_hz) / 2}
     if format.offset_bytes:
         capture["core:header_bytes"] = format.offset_bytes
+    if start is not None:
+        text = start.astimezone(UTC).isoformat(timespec="microseconds")
+        capture["core:datetime"] = text.replace("+00:00", "Z")
     file.add_capture(0, metadata=capture)
     file.validate()
     try:

@@ -41,7 +41,7 @@ def local_m(route: Route) -> NDArray[np.float64]:
 
 
 def draw_track(route: Route) -> str:
-    """Map and scatter side by side; the scatter is about the moving mean of ten fixes."""
+    """Map and scatter side by side; of a moving track about the mean of eleven fixes."""
 
     def draw(figure: Figure) -> None:
         track, scatter = figure.subplots(1, 2)
@@ -58,7 +58,7 @@ def draw_track(route: Route) -> str:
             axes.set_ylabel("North (m)")
         for alarm in Alarm:
             track.plot([], [], "o", color=ALARM_COLOURS[alarm], label=LABELS[alarm])
-        track.plot([], [], "x", color=style.INK, label="contradicts itself")
+        track.plot([], [], "x", color=style.INK, label="not to be trusted")
         track.legend(loc="best")
 
     return style.render(draw, 10, 4.8)
@@ -75,7 +75,8 @@ def _dots(axes: Axes, route: Route, x: NDArray[np.float64], y: NDArray[np.float6
 
 def _smooth(values: NDArray[np.float64], count: int = 10) -> NDArray[np.float64]:
     """Median of a static track; of a moving one the mean of each fix and those around."""
-    if np.nanmax(np.ptp(values[:, :2], axis=0), initial=0.0) < STATIC_M:
+    flat = values[np.isfinite(values).all(axis=1), :2]
+    if not len(flat) or np.ptp(flat, axis=0).max() < STATIC_M:
         return np.zeros_like(values)
     kernel = np.ones(count + 1)
     known = np.isfinite(values[:, 0])
