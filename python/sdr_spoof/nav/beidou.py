@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from .broadcast import Broadcast
     from .sync import Found
     from .time import GnssTime
 
@@ -48,15 +47,10 @@ class BeidouMessage(SubframeMessage):
     def sow(self, index: int) -> int:
         """Time of week that a subframe tells."""
 
-    @abstractmethod
-    def fill_page(self, bits: NDArray[np.uint8], content: Broadcast, index: int, week: int) -> None:
-        """Write what a subframe says beside time and number."""
-
-    def fill(self, bits: NDArray[np.uint8], content: Broadcast, index: int, week: int) -> None:
-        """Write a subframe."""
+    def head(self, bits: NDArray[np.uint8], index: int) -> None:
+        """Write time and number of a subframe."""
         NUMBER.write(bits, index % 5 + 1)
         SOW.write(bits, self.sow(index))
-        self.fill_page(bits, content, index, week)
 
     def to_symbols(self, bits: NDArray[np.uint8]) -> NDArray[np.int8]:
         """Symbols of subframes."""

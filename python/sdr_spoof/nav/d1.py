@@ -126,7 +126,7 @@ class D1Message(BeidouMessage):
         """Subframe 1."""
         return number == 1
 
-    def fill_page(self, bits: NDArray[np.uint8], content: Broadcast, index: int, week: int) -> None:
+    def fill(self, bits: NDArray[np.uint8], content: Broadcast, index: int, week: int) -> None:
         """Write a subframe."""
         number, frame = index % 5 + 1, index // 5
         fields = keplerian.values(content.ephemeris)

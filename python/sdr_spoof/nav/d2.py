@@ -133,7 +133,7 @@ class D2Message(BeidouMessage):
         """Page 1 of subframe 1."""
         return number == 1 and page == CLOCK_PAGE
 
-    def fill_page(self, bits: NDArray[np.uint8], content: Broadcast, index: int, week: int) -> None:
+    def fill(self, bits: NDArray[np.uint8], content: Broadcast, index: int, week: int) -> None:
         """Write a subframe."""
         number, frame = index % 5 + 1, index // 5
         if number == 1:

@@ -166,11 +166,14 @@ class LnavMessage(SubframeMessage):
         """Which are there to the end; a change of sign within fails the parity."""
         return np.array([f.start + PAGE_BITS <= values.size for f in found], dtype=bool)
 
+    def head(self, bits: NDArray[np.uint8], index: int) -> None:
+        """Write time and number of a subframe."""
+        TOW.write(bits, (index + 1) % PER_WEEK)
+        NUMBER.write(bits, index % 5 + 1)
+
     def fill(self, bits: NDArray[np.uint8], content: Broadcast, index: int, week: int) -> None:
         """Write a subframe."""
         number = index % 5 + 1
-        TOW.write(bits, (index + 1) % PER_WEEK)
-        NUMBER.write(bits, number)
         e = content.ephemeris
         if number <= 3:
             fields = keplerian.values(e) | {

@@ -58,8 +58,12 @@ class SubframeMessage(ABC):
         """Whether a subframe holds the week."""
 
     @abstractmethod
+    def head(self, bits: NDArray[np.uint8], index: int) -> None:
+        """Write time and number of a subframe."""
+
+    @abstractmethod
     def fill(self, bits: NDArray[np.uint8], content: Broadcast, index: int, week: int) -> None:
-        """Write a subframe, all but preamble and parity."""
+        """Write what a subframe says beside them."""
 
     @abstractmethod
     def to_symbols(self, bits: NDArray[np.uint8]) -> NDArray[np.int8]:
@@ -113,6 +117,7 @@ class SubframeMessage(ABC):
         for row, index in zip(bits, indices, strict=True):
             later, within = divmod(index, per_week)
             row[: self.preamble.size] = self.preamble
+            self.head(row, within)
             self.fill(row, content, within, week + later)
         return self.to_symbols(bits).reshape(-1)
 
