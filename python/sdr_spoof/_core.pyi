@@ -248,3 +248,57 @@ def cnav1_decode(
     amplitude: float | None = ...,
     noise: float | None = ...,
 ) -> list[Cnav1Frame]: ...
+
+# navigation
+def satellite_states(
+    table: NDArray[np.float64], row: NDArray[np.int64], time_s: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]: ...
+def geodetic(ecef_m: NDArray[np.float64], ellipsoid_name: str) -> NDArray[np.float64]: ...
+def ecef(place: NDArray[np.float64], ellipsoid_name: str) -> NDArray[np.float64]: ...
+def azimuth_elevation(
+    receiver_m: NDArray[np.float64], target_m: NDArray[np.float64]
+) -> NDArray[np.float64]: ...
+def ionosphere_m(
+    model: str,
+    parameters: Sequence[float],
+    place: NDArray[np.float64],
+    direction: NDArray[np.float64],
+    gpst_s: NDArray[np.float64],
+    carrier_hz: float,
+) -> NDArray[np.float64]: ...
+def troposphere_m(
+    place: NDArray[np.float64], direction: NDArray[np.float64], gpst_s: NDArray[np.float64]
+) -> NDArray[np.float64]: ...
+def smooth_code(
+    range_m: NDArray[np.float64],
+    carrier_m: NDArray[np.float64],
+    broken: NDArray[np.bool_],
+    epochs: int,
+) -> NDArray[np.float64]: ...
+def solve_fixes(
+    table: NDArray[np.float64],
+    reference_s: float,
+    columns: Sequence[tuple[int, int, int, float]],
+    groups: Sequence[tuple[int, int]],
+    systems: int,
+    settings_values: dict[str, Any],
+    time_s: NDArray[np.float64],
+    orbit: NDArray[np.int32],
+    range_m: NDArray[np.float64],
+    variance: NDArray[np.float64],
+    rate_m_s: NDArray[np.float64],
+    rate_variance: NDArray[np.float64],
+    *,
+    ekf: dict[str, float] | None = ...,
+    threads: int = ...,
+) -> dict[str, NDArray[Any]]: ...
+def solve_snapshot(
+    table: NDArray[np.float64],
+    reference_s: float,
+    phases: Sequence[tuple[int, int, int, float, int, float, float, float]],
+    settings_values: dict[str, Any],
+    place_m: Sequence[float],
+    time_s: float,
+    place_uncertainty_m: float,
+    time_uncertainty_s: float,
+) -> tuple[int, list[float], float, list[float], list[float], float, int] | None: ...

@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from .acquisition import AcquisitionConfig
 from .detectors import DetectionConfig
+from .pvt import PvtConfig
 from .tracking import TrackingConfig
 from .validation import Location, in_file, load_toml, validated
 
@@ -40,6 +41,9 @@ class Config(BaseModel):
     )
     detection: DetectionConfig = Field(
         default_factory=DetectionConfig, description="spoofing detectors and their thresholds"
+    )
+    pvt: PvtConfig = Field(
+        default_factory=PvtConfig, description="position, velocity and time, and their checks"
     )
 
 

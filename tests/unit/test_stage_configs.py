@@ -5,6 +5,7 @@ from pydantic import ValidationError
 
 from sdr_spoof.acquisition import AcquisitionConfig
 from sdr_spoof.detectors import DetectionConfig
+from sdr_spoof.pvt import PvtConfig
 
 
 def floats(model):
@@ -16,7 +17,9 @@ def floats(model):
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), float("-inf")])
-@pytest.mark.parametrize(("model", "name"), [*floats(AcquisitionConfig), *floats(DetectionConfig)])
+@pytest.mark.parametrize(
+    ("model", "name"), [*floats(AcquisitionConfig), *floats(DetectionConfig), *floats(PvtConfig)]
+)
 def test_no_setting_is_infinite_or_not_a_number(model, name, value):
     # An infinite handover_doppler_hz ended in an OverflowError; a min_cn0_dbhz that is not a
     # number left every window untested.

@@ -22,6 +22,7 @@ STUDIES = {
     "tracking": "tracking_jitter.json",
     "combo": "combo.json",
     "fallback": "fallback.json",
+    "levels": "levels.json",
     "bcnav1": "bcnav1.json",
     "speed": "speed.json",
 }
@@ -93,6 +94,10 @@ def _study(arguments: argparse.Namespace, folder: Path, progress: Any) -> dict[s
         from sdr_spoof.studies import fallback  # noqa: PLC0415
 
         return fallback.run(folder, runs=max(1, round(20 * share)), progress=progress)
+    if arguments.study == "levels":
+        from sdr_spoof.studies import levels  # noqa: PLC0415
+
+        return levels.run(folder, runs=max(2, round(16 * share)), progress=progress)
     from sdr_spoof.studies import tracking  # noqa: PLC0415
 
     duration_s = max(6.0, 30.0 * share)

@@ -6,6 +6,8 @@ use pyo3::prelude::*;
 mod acquire;
 mod bench;
 mod fec;
+mod fixes;
+mod navigation;
 mod signals;
 mod simulate;
 mod synth;
@@ -25,6 +27,8 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     simulate::register(m)?;
     bench::register(m)?;
     fec::register(m)?;
+    navigation::register(m)?;
+    fixes::register(m)?;
     // Load numpy's C interface here, where an error can be raised: loaded on first use, it would
     // panic when Ctrl-C comes in between.
     m.py().import("numpy")?;

@@ -1,0 +1,157 @@
+"""Pseudoranges and rates as the solver takes them: delays out, smoothed, with their noise."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sdr_spoof import _core
+from sdr_spoof.observations import SUBCARRIER
+from sdr_spoof.signals import signal_spec
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from sdr_spoof.observations import Observations
+
+    from .config import PvtConfig
+    from .ephemerides import Choice
+
+LIGHT_M_S = 299_792_458.0
+REFERENCE_DBHZ = 45.0
+HALF_RATE_HZ = 1.1e6
+"""Codes of a chip rate below, without a subcarrier, are twice as noisy as B1I's."""
+BEAT_SIGNALS = ("B1I", "B1CP")
+
+
+def carrier_hz(signal: str) -> float:
+    """Carrier; of the subcarrier range the one at which the ionosphere delays as much as it."""
+    if signal == SUBCARRIER:
+        return float(np.sqrt(np.prod([signal_spec(s).carrier_hz for s in BEAT_SIGNALS])))
+    return signal_spec(signal).carrier_hz
+
+
+def ranges_m(observations: Observations, choice: Choice, config: PvtConfig) -> NDArray[np.float64]:
+    """Pseudoranges (E, S) without group delays, smoothed if so configured."""
+    ranges = observations.pseudorange_m - LIGHT_M_S * _group_delay_s(observations, choice)
+    if config.smoothing_s:
+        ranges = smoothed(observations, ranges, config.smoothing_s)
+    if config.subcarrier:
+        ranges = with_common_steps(observations, ranges)
+    return np.ascontiguousarray(ranges)
+
+
+def _group_delay_s(observations: Observations, choice: Choice) -> NDArray[np.float64]:
+    delays = np.zeros(choice.known.shape)
+    for column, signal in enumerate(observations.signals):
+        own = np.array([e.group_delay_s(signal.signal) for e in choice.ephemerides] + [0.0])
+        delays[:, column] = own[choice.known[:, column]]
+    return delays
+
+
+def smoothed(
+    observations: Observations, ranges: NDArray[np.float64], constant_s: float
+) -> NDArray[np.float64]:
+    """Codes smoothed by their carriers where those are unbroken."""
+    interval = float(np.median(np.diff(observations.time_s))) if observations.epochs > 1 else 1.0
+    gaps = np.diff(observations.time_s, prepend=observations.time_s[:1]) > 1.5 * interval
+    result = ranges.copy()
+    for column, signal in enumerate(observations.signals):
+        if signal.signal == SUBCARRIER:
+            continue
+        wavelength = LIGHT_M_S / signal_spec(signal.signal).carrier_hz
+        half = observations.half_cycle[:, column]
+        broken = observations.lock_lost[:, column] | gaps | np.diff(half, prepend=half[:1])
+        result[:, column] = _core.smooth_code(
+            np.ascontiguousarray(ranges[:, column]),
+            np.ascontiguousarray(observations.carrier_phase_cycles[:, column] * wavelength),
+            broken,
+            max(1, round(constant_s / interval)),
+        )
+    return result
+
+
+def with_common_steps(
+    observations: Observations, ranges: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Subcarrier ranges on one common step against the code.
+
+    Each may miss steps of its ambiguity. The bias of the receiver between the bands is the same
+    for all satellites: the fraction of a step by which they differ from the codes, on a circular
+    mean, tells it, and each goes to the step nearest to it.
+    """
+    lower, upper = (signal_spec(s).carrier_hz for s in BEAT_SIGNALS)
+    columns = observations.columns(SUBCARRIER)
+    half = bool(observations.half_cycle[:, columns].any())
+    step = LIGHT_M_S / (upper - lower) * (0.5 if half else 1.0)
+    runs = [
+        (column, rows, float(np.median(difference[rows])))
+        for column in columns
+        for difference in [ranges[:, column] - _code_mean(observations, ranges, column)]
+        for rows in _unbroken(difference, step)
+    ]
+    if not runs:
+        return ranges
+    weights = np.array([rows.size for _, rows, _ in runs])
+    turns = np.array([level for *_, level in runs]) / step
+    common = np.angle(np.sum(weights * np.exp(2j * np.pi * turns))) / (2 * np.pi)
+    result = ranges.copy()
+    for (column, rows, _), turn in zip(runs, turns, strict=True):
+        result[rows, column] -= step * np.round(turn - common)
+    return result
+
+
+def _code_mean(
+    observations: Observations, ranges: NDArray[np.float64], column: int
+) -> NDArray[np.float64]:
+    """Mean of the codes of that satellite's two signals, NaN where one is missing."""
+    name = observations.signals[column].satellite
+    own = [
+        k
+        for k, s in enumerate(observations.signals)
+        if s.satellite == name and s.signal in BEAT_SIGNALS
+    ]
+    if len(own) < len(BEAT_SIGNALS):
+        return np.full(observations.epochs, np.nan)
+    return np.asarray(ranges[:, own].mean(axis=1))
+
+
+def _unbroken(difference: NDArray[np.float64], step: float) -> list[NDArray[np.intp]]:
+    """Runs of epochs in which the difference does not jump by half a step."""
+    rows = np.flatnonzero(np.isfinite(difference))
+    if not rows.size:
+        return []
+    jumps = (np.diff(rows) > 1) | (np.abs(np.diff(difference[rows])) > 0.5 * step)
+    return np.split(rows, np.flatnonzero(jumps) + 1)
+
+
+def variance_m2(observations: Observations, config: PvtConfig) -> NDArray[np.float64]:
+    """Assumed variance of each pseudorange (E, S), but for what grows towards the horizon."""
+    sigma = np.array([_sigma_m(s.signal, config) for s in observations.signals])
+    return np.ascontiguousarray(sigma**2 * _by_cn0(observations, config))
+
+
+def rate_variance(observations: Observations, config: PvtConfig) -> NDArray[np.float64]:
+    """Assumed variance of each Doppler (E, S) in m^2/s^2."""
+    return np.ascontiguousarray(config.doppler_sigma_m_s**2 * _by_cn0(observations, config))
+
+
+def _by_cn0(observations: Observations, config: PvtConfig) -> NDArray[np.float64]:
+    if config.weights not in ("cn0", "cn0-elevation"):
+        return np.ones(observations.cn0_dbhz.shape)
+    return np.asarray(10.0 ** ((REFERENCE_DBHZ - observations.cn0_dbhz) / 10.0))
+
+
+def _sigma_m(signal: str, config: PvtConfig) -> float:
+    if signal == SUBCARRIER:
+        return config.subcarrier_sigma_m
+    spec = signal_spec(signal)
+    slow = spec.chip_rate_hz < HALF_RATE_HZ and "BOC" not in spec.modulation.upper()
+    return config.code_sigma_m * (2.0 if slow else 1.0)
+
+
+def rates_m_s(observations: Observations) -> NDArray[np.float64]:
+    """Rates of the pseudoranges (E, S) by Doppler; positive Doppler means approach."""
+    wavelengths = np.array([LIGHT_M_S / carrier_hz(s.signal) for s in observations.signals])
+    return np.ascontiguousarray(-observations.doppler_hz * wavelengths)
