@@ -24,9 +24,11 @@ STUDIES = {
     "fallback": "fallback.json",
     "levels": "levels.json",
     "bcnav1": "bcnav1.json",
+    "subframes": "subframes.json",
     "speed": "speed.json",
 }
 """Name of a study, and the file that it writes last."""
+MESSAGE_STUDIES = ("bcnav1", "subframes")
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
@@ -49,7 +51,8 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
     if (folder / STUDIES[arguments.study]).exists() and not arguments.force:
         raise OutputError(f"{folder}: holds such results already; add --force to replace them")
     with ui.stages(f"Measuring {arguments.study}") as progress:
-        result = _study(arguments, folder, progress)
+        study = _message_study if arguments.study in MESSAGE_STUDIES else _study
+        result = study(arguments, folder, progress)
     rows = [row for table in result.values() if isinstance(table, list) for row in table]
 
     def render(console: Console) -> None:
@@ -85,11 +88,6 @@ def _study(arguments: argparse.Namespace, folder: Path, progress: Any) -> dict[s
 
         seeds = max(2, round(20 * share))
         return combo.run(folder, seeds=seeds, threads=arguments.threads, progress=progress)
-    if arguments.study == "bcnav1":
-        from sdr_spoof.studies import bcnav1  # noqa: PLC0415
-
-        frames = max(100, round(2000 * share))
-        return bcnav1.run(folder, frames=frames, threads=arguments.threads, progress=progress)
     if arguments.study == "fallback":
         from sdr_spoof.studies import fallback  # noqa: PLC0415
 
@@ -102,6 +100,18 @@ def _study(arguments: argparse.Namespace, folder: Path, progress: Any) -> dict[s
 
     duration_s = max(6.0, 30.0 * share)
     return tracking.run(folder, duration_s=duration_s, threads=arguments.threads, progress=progress)
+
+
+def _message_study(arguments: argparse.Namespace, folder: Path, progress: Any) -> dict[str, Any]:
+    share = arguments.scale / 100
+    if arguments.study == "bcnav1":
+        from sdr_spoof.studies import bcnav1  # noqa: PLC0415
+
+        frames = max(100, round(2000 * share))
+        return bcnav1.run(folder, frames=frames, threads=arguments.threads, progress=progress)
+    from sdr_spoof.studies import subframes  # noqa: PLC0415
+
+    return subframes.run(folder, subframes=max(200, round(20_000 * share)), progress=progress)
 
 
 COMMAND = Command(
