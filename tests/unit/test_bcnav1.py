@@ -124,7 +124,7 @@ def test_frames_are_found_wherever_a_recording_starts(start_s: float, sign: floa
 def test_two_thirds_of_a_frame_are_enough_without_noise() -> None:
     symbols = MESSAGE.encode(broadcast(), START, 12.0)
     (frame,) = MESSAGE.decode(run_of(symbols))
-    assert frame.transmitted == START
+    assert (frame.transmitted, frame.corrected) == (START, 0)
     assert MESSAGE.read([frame]).ephemerides
     # The end of one frame and the first of the next one: the end is enough.
     symbols = MESSAGE.encode(broadcast(), START + 6.0, 12.8)

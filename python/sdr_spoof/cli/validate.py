@@ -46,8 +46,10 @@ STUDIES = {
     "combo": _Study("combo.json", lambda s: {"seeds": max(2, round(20 * s))}),
     "fallback": _Study("fallback.json", lambda s: {"runs": max(1, round(20 * s))}, threaded=False),
     "levels": _Study("levels.json", lambda s: {"runs": max(2, round(16 * s))}, threaded=False),
-    "subframes": _Study("subframes.json", lambda s: {"subframes": max(120, round(12_000 * s))}),
     "bcnav1": _Study("bcnav1.json", lambda s: {"frames": max(100, round(2000 * s))}),
+    "subframes": _Study(
+        "subframes.json", lambda s: {"subframes": max(200, round(20_000 * s))}, threaded=False
+    ),
     "speed": _Study("speed.json", lambda s: {"repeats": max(3, round(25 * s))}, threaded=False),
 }
 """Every study, by name."""

@@ -107,7 +107,7 @@ impl Code {
             }
         }
         let word = self.word(best);
-        let wrong = |(&v, &b): (&f32, &u8)| super::hard(v) != b;
+        let wrong = |(&v, &b): (&f32, &u8)| v != 0.0 && super::hard(v) != b;
         Choice {
             value: best,
             correlation: correlations[best],

@@ -34,7 +34,7 @@ pub struct Code {
 pub struct Decoded {
     /// All bits of the code word, information first.
     pub bits: Vec<u8>,
-    /// Bits that differ from the signs of the input.
+    /// Bits that differ from the signs of the input; zeros, which have none, do not count.
     pub corrected: usize,
     /// Passes over all checks.
     pub iterations: usize,
@@ -140,7 +140,7 @@ impl Code {
             done += 1;
         }
         let bits: Vec<u8> = word.iter().copied().flat_map(bits_of).collect();
-        let changed = |(&l, &b): (&f32, &u8)| hard(l) != b;
+        let changed = |(&l, &b): (&f32, &u8)| l != 0.0 && hard(l) != b;
         Decoded {
             corrected: likelihoods
                 .iter()
