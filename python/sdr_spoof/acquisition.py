@@ -72,6 +72,22 @@ class AcquisitionConfig(BaseModel):
     handover_doppler_hz: float = Field(
         default=250.0, gt=0, description="half width of the Doppler range searched after a handover"
     )
+    second_peak_every_s: float = Field(
+        default=10.0,
+        ge=0,
+        description="how often a second signal of each tracked satellite is searched for; 0: never",
+    )
+    second_peak_pfa: float = Field(
+        default=1e-7,
+        gt=0,
+        lt=0.5,
+        description="false-alarm probability of one such search",
+    )
+    second_peak_apart_chips: float = Field(
+        default=10.0,
+        ge=2.0,
+        description="a second peak nearer than this to the tracked one may be a reflection",
+    )
 
 
 def acquire(
@@ -193,6 +209,21 @@ def _doppler_ranges(
     reach = math.ceil(config.handover_doppler_hz / plan.bin_hz)
     middle = {a.prn: round(a.doppler_hz * scale / plan.bin_hz) for a in found[first] if a.detected}
     return {p: (middle[p] - reach, middle[p] + reach) for p in plan.prns if p in middle}
+
+
+def search_plan(
+    recording: Source,
+    config: AcquisitionConfig,
+    signal: str,
+    prns: Sequence[int],
+    start_sample: int,
+) -> tuple[Plan, dict[int, tuple[int, int]]]:
+    """Blind search for some satellites: the plan, and the Doppler bins of each PRN.
+
+    Raises RecordingError if the recording ends too soon after ``start_sample``.
+    """
+    plan = _plan(recording, config, signal, prns, start_sample)
+    return plan, _doppler_ranges(plan, config, {})
 
 
 def _offset(

@@ -24,6 +24,7 @@ from scipy.stats import chi2, ncx2
 
 DOPPLER_CORRELATION = (2 / np.pi,)
 """Correlation of Doppler cells 1/(2T) apart: sinc(1/2). It is 0 for the next but one."""
+LEAST_P = 1e-35
 
 
 @lru_cache(maxsize=256)
@@ -47,6 +48,18 @@ def threshold(
         return float(np.log(expected_clumps(level, bins, lags, blocks, delay_correlation)) - wanted)
 
     return float(brentq(excess, single, union, xtol=1e-6))
+
+
+def log10_probability(
+    level: float, bins: int, lags: int, blocks: int, delay_correlation: tuple[float, ...]
+) -> float:
+    """log10 of the probability that noise exceeds ``level`` anywhere; arguments as above.
+
+    Not below that of ``LEAST_P`` in a single cell, beyond which no law is trusted.
+    """
+    level = min(level, float(chi2.isf(LEAST_P, 2 * blocks)))
+    clumps = expected_clumps(level, bins, lags, blocks, delay_correlation)
+    return float(np.log10(-np.expm1(-clumps)))
 
 
 def expected_clumps(

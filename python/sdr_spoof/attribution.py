@@ -9,8 +9,14 @@ the safe side. Pieces of different physics are taken as independent, so that odd
 * shape of one correlation peak alone (1 of 10): multipath does not choose the spoofed band;
 * power of one signal alone (1 of 5).
 
-What shows in both bands says nothing about which. A signal is named from ``attribution_confidence``
-on; below it, the answer is "cannot tell".
+That several signals were captured is one more hypothesis, ``BOTH`` times as likely beforehand.
+Evidence of a kind that shows in several signals speaks for it, and evidence in one alone against it
+as far as that kind would miss the other captured signal (``MISSED``: codes that follow their
+carriers part from them in chance fashion, the others are seldom missed). Symmetry counts for one
+signal only: all bands of a satellite share one code loop, which the captured one pulls.
+
+A signal is named from ``attribution_confidence`` on; below it, the answer is "cannot tell", or
+that both changed where that is the likeliest.
 """
 
 from __future__ import annotations
@@ -21,12 +27,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from sdr_spoof import detectors
-from sdr_spoof.detectors import DetectionConfig, power
+from sdr_spoof.detectors import DetectionConfig, delta_metric, noise_floor, power, second_peak
 from sdr_spoof.records import Alarm
 from sdr_spoof.signals import signal_spec
 
 WRONG = {"carriers": 1e-3, "code": 1e-2, "shape": 0.1, "power": 0.2}
 """Probability that a piece of evidence names the wrong signal."""
+MISSED = {"carriers": 0.02, "code": 0.3, "shape": 0.1, "power": 0.1}
+"""Probability that it shows in one signal only where several are captured."""
+BOTH = 0.1
+"""How likely it is beforehand that several were captured, against one of them."""
+SHARED_LOOP = delta_metric.NAME
+"""The test of what the common code loop moves in all bands."""
 
 
 @dataclass(frozen=True)
@@ -36,8 +48,10 @@ class Attribution:
     signal: str | None
     confidence: float | None
     """Probability of the likeliest signal, named or not; None without evidence."""
-    evidence: tuple[str, ...]
+    evidence: tuple[str, ...] = ()
     """Kinds of evidence that there were, with the signal each names, in words."""
+    both: bool = False
+    """Whether it is likelier that several were captured than any one."""
 
 
 def attribute(
@@ -48,26 +62,52 @@ def attribute(
     Alarms with an onset further than ``fusion_together_s`` from that of the attack are passed over.
     """
     if len(signals) == 1:
-        return Attribution(signals[0], 1.0, ())
-    named: dict[str, set[str]] = {kind: set() for kind in WRONG}
-    for alarm in alarms:
-        if alarm.band is None or alarm.band not in signals:
-            continue
-        if abs(alarm.onset_s - onset_s) <= config.fusion_together_s:
-            named[kind_of(alarm)].add(alarm.band)
-    found = {kind: next(iter(bands)) for kind, bands in named.items() if len(bands) == 1}
-    if not found:
-        return Attribution(None, None, ())
-    odds = {signal: 0.0 for signal in signals}
-    for kind, signal in found.items():
-        odds[signal] += float(np.log((1.0 - WRONG[kind]) / WRONG[kind]))
-    best = max(signals, key=lambda s: odds[s])
-    # Each piece of evidence speaks for its signal and against all others alike.
-    likelihood = {s: float(np.exp(odds[s] - odds[best])) for s in signals}
-    confidence = likelihood[best] / sum(likelihood.values())
+        return Attribution(signals[0], 1.0)
+    near = [a for a in alarms if abs(a.onset_s - onset_s) <= config.fusion_together_s]
+    named = {kind: bands for kind in WRONG if (bands := _named(kind, signals, near))}
+    if not named:
+        return Attribution(None, None)
+    likelihood = {s: _alone(s, named) for s in signals}
+    several = BOTH * float(np.prod([_several(kind, bands) for kind, bands in named.items()]))
+    best = max(signals, key=lambda s: likelihood[s])
+    confidence = likelihood[best] / (sum(likelihood.values()) + several)
     sure = confidence >= config.attribution_confidence
-    words = tuple(f"{kind}: {signal_spec(signal).composite}" for kind, signal in found.items())
-    return Attribution(best if sure else None, confidence, words)
+    words = tuple(
+        f"{kind}: {' and '.join(signal_spec(s).composite for s in sorted(bands))}"
+        for kind, bands in named.items()
+    )
+    return Attribution(best if sure else None, confidence, words, several > likelihood[best])
+
+
+def _named(kind: str, signals: Sequence[str], alarms: Sequence[Alarm]) -> set[str]:
+    """Signals that the evidence of a kind names."""
+    of_kind = [
+        a
+        for a in alarms
+        # The floor is one of all satellites, a second peak is of two transmitters: neither says
+        # which band was captured.
+        if a.band in signals
+        and kind_of(a) == kind
+        and a.quantity != noise_floor.QUANTITY
+        and a.detector != second_peak.NAME
+    ]
+    own = {a.band for a in of_kind if a.detector != SHARED_LOOP}
+    shared = {a.band for a in of_kind if a.detector == SHARED_LOOP}
+    found = own or (shared if len(shared) == 1 else set())
+    return {band for band in found if band is not None}
+
+
+def _alone(signal: str, named: dict[str, set[str]]) -> float:
+    """Likelihood of the evidence if this signal alone was captured."""
+    right = (bands == {signal} for bands in named.values())
+    return float(
+        np.prod([1.0 - WRONG[k] if r else WRONG[k] for k, r in zip(named, right, strict=True)])
+    )
+
+
+def _several(kind: str, bands: set[str]) -> float:
+    """Likelihood of one kind of evidence if several signals were captured."""
+    return MISSED[kind] if len(bands) == 1 else 1.0 - MISSED[kind]
 
 
 def kind_of(alarm: Alarm) -> str:

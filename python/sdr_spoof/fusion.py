@@ -1,10 +1,8 @@
 """From the alarms of all detectors to one verdict per satellite. The rule, in order:
 
 1. **spoofed**: a test of consistency has alarmed: things parted that only an attack parts.
-   Unless a reflection explains it: the phase difference has jumped but is not turning, neither
-   carrier alone left its course, no code moved, no power rose, and the peaks of *all* bands changed
-   shape within ``TOGETHER_S``: a spoofer in one band leaves the other's peak alone, one in all
-   bands needs power. Then it is
+   Unless a reflection explains it (:mod:`.reflection`): the peaks of *all* bands were bent at once,
+   no power rose, and carriers and codes have stayed within what an echo can do. Then it is
 2. **suspect**, as it is where only tests of signal quality have alarmed. Multipath and interference
    change the shape of a peak and power too, so they alone never mean spoofing.
 3. **clean**: no alarm, and a test that could have said 'spoofed' covered ``min_tested_s``.
@@ -13,11 +11,12 @@
 Alarms latch, so verdicts do. The onset is the median of what the alarms say that date the event
 before the first deciding alarm.
 
-False alarms: ``false_alarm_probability`` is that of one test of a satellite by all detectors
-together. It is shared equally among the configured ones, and a detector with several series shares
-its part among them (Bonferroni; exact to first order and never above the stated one, whatever the
-dependence). Detectors that state a rate of false alarms per hour keep it; rates add up. The
-confidence of a verdict takes the number of independent tests into account that were made.
+False alarms: ``false_alarms_per_hour`` is the rate for one satellite by all detectors together. It
+is shared equally among the configured ones, and a detector with several series shares its part
+among them (Bonferroni; exact to first order and never above the stated one, whatever the
+dependence). ``false_alarm_probability``, of one test, is shared alike; only the published test
+``phase_difference_rate`` states one. The confidence of a verdict takes the number of independent
+tests into account that were made.
 """
 
 from __future__ import annotations
@@ -29,14 +28,14 @@ from statistics import median_high
 
 import numpy as np
 
-from sdr_spoof import detectors
-from sdr_spoof.attribution import Attribution, attribute, kind_of
-from sdr_spoof.detectors import DetectionConfig, phase_difference_glr
-from sdr_spoof.records import Alarm, SatelliteVerdict, SignalTrack, State, TrackLog
+from sdr_spoof import detectors, reflection
+from sdr_spoof.attribution import Attribution, attribute
+from sdr_spoof.detectors import DetectionConfig, noise_floor, second_peak
+from sdr_spoof.records import Alarm, SatelliteVerdict, State, TrackLog
+from sdr_spoof.satellites import combos_of, tracks_of
 from sdr_spoof.signals import signal_spec
 
-TOGETHER_S = 2.0
-"""What one reflection does to several tests is dated no further apart."""
+BOTH_CHANGED = "both bands changed"
 CLEAN, SUSPECT, SPOOFED, NO_SUPPORT = "clean", "suspect", "spoofed", "not enough support"
 
 
@@ -62,10 +61,15 @@ class Examined:
         return self.detector, self.signal, self.quantity
 
 
-def per_test(config: DetectionConfig) -> DetectionConfig:
-    """The configuration for one detector: its share of the false-alarm probability."""
-    share = config.false_alarm_probability / len(set(config.detectors))
-    return config.model_copy(update={"false_alarm_probability": share})
+def share_of(config: DetectionConfig, count: int = 1) -> DetectionConfig:
+    """The configuration with the part of the false alarms that ``count`` detectors may make."""
+    share = count / len(set(config.detectors))
+    return config.model_copy(
+        update={
+            "false_alarm_probability": config.false_alarm_probability * share,
+            "false_alarms_per_hour": config.false_alarms_per_hour * share,
+        }
+    )
 
 
 def judge(
@@ -77,9 +81,9 @@ def judge(
     support_s, tests = _support(examined, config)
     if alarms:
         held = _held(log, system, prn)
-        reflected = is_reflection(decisive, alarms, held)
-        strong = evidence_of(decisive[0].detector) == "consistency" and not reflected
-        verdict = SPOOFED if strong else SUSPECT
+        strong = evidence_of(decisive[0].detector) == "consistency"
+        reflected = strong and reflection.explains(log, (system, prn), alarms, decisive, config)
+        verdict = SPOOFED if strong and not reflected else SUSPECT
         onset_s = fused_onset(decisive, alarms)
         where = attribute(held, alarms, onset_s, config)
         action, fallback = _action(verdict, where, held, decisive)
@@ -88,7 +92,7 @@ def judge(
             reason += "; the peaks of all its bands changed with it: a reflection does this too"
         confidence = _confidence(decisive, examined)
     else:
-        onset_s, where, confidence, fallback = None, Attribution(None, None, ()), None, None
+        onset_s, where, confidence, fallback = None, Attribution(None, None), None, None
         verdict = CLEAN if examined and support_s >= config.min_tested_s else NO_SUPPORT
         action = "use it" if verdict == CLEAN else "not judged"
         reason = _quiet_reason(log, system, prn, examined, (support_s, tests), config)
@@ -143,19 +147,6 @@ def fused_onset(deciding: Sequence[Alarm], alarms: Sequence[Alarm]) -> float:
     return median_high(a.onset_s for a in alarms if a.onset_s <= first_s)
 
 
-def is_reflection(deciding: Sequence[Alarm], alarms: Sequence[Alarm], held: Sequence[str]) -> bool:
-    """Whether multipath that came or went explains all alarms."""
-    if any(a.detector != phase_difference_glr.NAME or a.band is not None for a in deciding):
-        return False
-    if any(kind_of(a) == "power" for a in alarms):
-        return False
-    jump_s = min(a.onset_s for a in deciding)
-    bent = {
-        a.band for a in alarms if kind_of(a) == "shape" and abs(a.onset_s - jump_s) <= TOGETHER_S
-    }
-    return len(held) > 1 and bent >= set(held)
-
-
 def _support(examined: Sequence[Examined], config: DetectionConfig) -> tuple[float, int]:
     """Length that the best-supported series tested, in s, and tests made.
 
@@ -184,6 +175,8 @@ def _action(
         return "give it less weight until it is quiet again", None
     accused = {a.band for a in deciding} | {where.signal}
     clean = [signal for signal in held if signal not in accused]
+    if where.both:
+        return f"drop the satellite: {BOTH_CHANGED}", None
     if where.signal is None or not clean:
         return "drop the satellite", None
     return f"use {composite(clean[0])} alone", clean[0]
@@ -198,6 +191,8 @@ def _alarm_reason(
     others = list(dict.fromkeys(detectors.find(a.detector).title for a in alarms if a != first))
     if others:
         parts.append(f"also: {', '.join(others)}")
+    if where.both:
+        parts.append(BOTH_CHANGED)
     if where.evidence:
         parts.append(f"evidence for the band: {', '.join(where.evidence)}")
     return "; ".join(parts)
@@ -218,6 +213,11 @@ def alarm_reason(alarm: Alarm) -> str:
         measured = "difference rate" if alarm.unit == "Hz" else "difference"
         return f"{what}; {measured} {size} {alarm.unit}"
     of = f" of {composite(alarm.band)}" if alarm.band else ""
+    if alarm.detector == second_peak.NAME:
+        return f"{second_peak.CAUSE}; found by the search at {alarm.alarm_s:.2f} s: {size}"
+    if alarm.quantity == noise_floor.QUANTITY:
+        what = f"the noise floor{of} rose for all satellites alike at {alarm.onset_s:.2f} s"
+        return f"{what}, by {size}: {noise_floor.CAUSE}"
     quantity = f" ({alarm.quantity})" if alarm.quantity else ""
     return f"{detector.title}{quantity}{of} changed at {alarm.onset_s:.2f} s: {size}"
 
@@ -276,17 +276,11 @@ def _of_series(log: TrackLog, signal: str | None, examined: Sequence[Examined]) 
         yield f"both bands were held together only until {until_s:.2f} of {log.duration_s:.2f} s"
 
 
-def tracks_of(log: TrackLog, system: str, prn: int) -> list[SignalTrack]:
-    """The tracks of a satellite."""
-    return [t for t in log.signals if t.prn == prn and signal_spec(t.signal).system == system]
-
-
 def _held(log: TrackLog, system: str, prn: int) -> list[str]:
     """Signals that the satellite was received on."""
     names = {t.signal for t in tracks_of(log, system, prn)}
-    for combo in log.combos:
-        if combo.prn == prn and signal_spec(combo.upper).system == system:
-            names |= {combo.lower, combo.upper}
+    for combo in combos_of(log, system, prn):
+        names |= {combo.lower, combo.upper}
     return sorted(names)
 
 

@@ -17,10 +17,11 @@ import dataclasses
 from typing import TYPE_CHECKING
 
 from .detectors import phase_difference_glr
-from .fusion import SPOOFED, SUSPECT, evidence_of
+from .fusion import SPOOFED, SUSPECT, evidence_of, share_of
 from .isolation import Isolation
 from .records import ComboTrack, SignalTrack, TrackLog
-from .signals import signal_spec
+from .satellites import satellite_of
+from .signals import system_of
 from .verdict import detect
 
 if TYPE_CHECKING:
@@ -49,11 +50,8 @@ class Monitor:
 
     def _of(self, names: Sequence[str]) -> DetectionConfig:
         """Some of the detectors, with the thresholds that all of them together have."""
-        whole = self._config
-        share = whole.false_alarm_probability * len(names) / len(set(whole.detectors))
-        return whole.model_copy(
-            update={"detectors": tuple(names), "false_alarm_probability": share}
-        )
+        share = share_of(self._config, len(names))
+        return share.model_copy(update={"detectors": tuple(names)})
 
     def look(self, rows: RowStore, sample_rate_hz: float, now_s: float) -> list[Isolation]:
         """What to isolate now, at a whole second, after all signal up to it has been tracked."""
@@ -80,11 +78,11 @@ class Monitor:
 
         ``first`` says which detectors are asked first, before all of them are.
         """
-        done = {(signal_spec(i.signal).system, i.prn) for i in self.isolated}
+        done = {(system_of(i.signal), i.prn) for i in self.isolated}
         open_ = dataclasses.replace(
             log,
-            signals=tuple(t for t in log.signals if _satellite(t.signal, t.prn) not in done),
-            combos=tuple(c for c in log.combos if _satellite(c.upper, c.prn) not in done),
+            signals=tuple(t for t in log.signals if satellite_of(t) not in done),
+            combos=tuple(c for c in log.combos if satellite_of(c) not in done),
         )
         if not open_.combos or not detect(open_, first).spoofed:
             return []
@@ -101,7 +99,3 @@ class Monitor:
             if key not in done:
                 found.append(Isolation(signal=s.band, prn=s.prn, from_s=now_s))
         return found
-
-
-def _satellite(signal: str, prn: int) -> tuple[str, int]:
-    return signal_spec(signal).system, prn

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import os
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from .acquisition import acquire
 from .monitor import Monitor
+from .second_peaks import second_peaks
 from .tracking import track
 
 if TYPE_CHECKING:
@@ -51,4 +54,14 @@ def receive(
             rows_in=rows_in,
             progress=progress,
         )
+    if config.acquisition.second_peak_every_s and not log.partial:
+        with stages("Searching again") as progress:
+            peaks = second_peaks(
+                recording,
+                log,
+                config.acquisition,
+                threads=threads or os.cpu_count() or 1,
+                progress=progress,
+            )
+        log = replace(log, second_peaks=peaks)
     return found, log

@@ -189,6 +189,30 @@ class ComboTrack(Track):
 
 
 @dataclass(frozen=True)
+class SecondPeak:
+    """A search for a second signal of a tracked satellite, with the tracked one taken out."""
+
+    signal: str
+    prn: int
+    found: bool
+    """Whether a peak exceeds the threshold and is well away from the tracked one."""
+    sample_index: int
+    """Sample at which the search began."""
+    code_offset_chips: float
+    """Code delay of the largest peak less that of the tracked signal; positive is later."""
+    doppler_offset_hz: float
+    """Doppler of the largest peak less that of the tracked signal."""
+    cn0_dbhz: float
+    statistic: float
+    threshold: float
+    log10_p: float
+    """log10 of the probability that noise makes as much in one search, clipped; 0 for a peak that
+    is not away from the tracked one."""
+    false_alarm_probability: float
+    """Of one search, which sets the threshold."""
+
+
+@dataclass(frozen=True)
 class TrackLog:
     """Everything that tracking found in a recording."""
 
@@ -200,6 +224,8 @@ class TrackLog:
     """True if tracking was interrupted before the end."""
     signals: tuple[SignalTrack, ...]
     combos: tuple[ComboTrack, ...]
+    second_peaks: tuple[SecondPeak, ...] = ()
+    """Searches for second signals of the tracked satellites, where there were any."""
 
 
 @dataclass(frozen=True)

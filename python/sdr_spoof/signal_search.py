@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from . import _core
-from .acquisition_threshold import threshold
+from .acquisition_threshold import log10_probability, threshold
 from .errors import RecordingError
 from .records import Acquisition
 
@@ -108,6 +108,21 @@ class SignalSearch:
             results |= again
             unsure = [a for a in again.values() if a.detected]
         return list(results.values())
+
+    def beside(self, known: list[tuple[int, float, float]]) -> list[tuple[Acquisition, float]]:
+        """Search all PRNs with these signals (PRN, Doppler, code delay) taken out.
+
+        Returns:
+            As :meth:`run`, each with log10 of the probability that noise makes as much.
+        """
+        self._search.cancel(known)
+        return [(a, self._log10_p(a)) for a in self.run(lambda done: None)]
+
+    def _log10_p(self, found: Acquisition) -> float:
+        low, high = self._ranges[found.prn]
+        lags = round(self._plan.period_s * _core.search_rate_hz(self._plan.signal))
+        grid = (high - low + 1, lags, self._plan.blocks, self._correlation)
+        return log10_probability(found.statistic, *grid)
 
     def _searched(
         self, prns: list[int], report: Callable[[int], None] | None = None

@@ -60,6 +60,11 @@ def signal_spec(signal: str) -> SignalSpec:
     return SignalSpec(**{**values, "prns": tuple(values["prns"])})
 
 
+def system_of(signal: str) -> str:
+    """RINEX system letter of a signal."""
+    return signal_spec(signal).system
+
+
 def coherent_pairs() -> tuple[tuple[str, str], ...]:
     """Pairs of signals with coherent carriers, which are tracked as one by default."""
     return tuple(_core.signal_pairs())

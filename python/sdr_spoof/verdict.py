@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import chain
 
 import numpy as np
 
-from sdr_spoof import _core, decision, detectors
+from sdr_spoof import decision, detectors
 from sdr_spoof.decision import Decision
 from sdr_spoof.detectors import DetectionConfig, StatisticSeries
 from sdr_spoof.detectors.band_attribution import common_clock, disturbed_band
-from sdr_spoof.fusion import CLEAN, NO_SUPPORT, SPOOFED, SUSPECT, Examined, judge, per_test
-from sdr_spoof.records import Alarm, ComboTrack, TrackLog, Verdict
+from sdr_spoof.fusion import (
+    CLEAN,
+    NO_SUPPORT,
+    SPOOFED,
+    SUSPECT,
+    Examined,
+    evidence_of,
+    judge,
+    share_of,
+)
+from sdr_spoof.records import Alarm, TrackLog, Verdict
+from sdr_spoof.satellites import combos_of, satellites_in
 
 __all__ = ["CLEAN", "NO_SUPPORT", "SPOOFED", "SUSPECT", "detect", "statistics"]
 
@@ -23,16 +33,22 @@ LATER_S = (0.0, 0.5, 1.0, 2.0)
 do not tell the band."""
 
 
-def detect(log: TrackLog, config: DetectionConfig | None = None) -> Verdict:
+def detect(
+    log: TrackLog,
+    config: DetectionConfig | None = None,
+    look: Callable[[StatisticSeries], None] | None = None,
+) -> Verdict:
     """What the configured detectors say of every satellite in the log, and overall.
 
-    Raises ConfigError for an unknown detector or rule. Deterministic: the same log and
-    configuration give the same verdict.
+    ``look`` is shown every series before it goes. Raises ConfigError for an unknown detector or
+    rule. Deterministic: the same log and configuration give the same verdict.
     """
     config = config or DetectionConfig()
     by_satellite: dict[tuple[str, int], list[Examined]] = defaultdict(list)
     for series in statistics(log, config):
         by_satellite[series.system, series.prn].append(_examine(log, series, config))
+        if look is not None:
+            look(series)
         del series  # before the next one is made: they are large
     satellites = tuple(
         judge(log, system, prn, by_satellite[system, prn], config)
@@ -48,18 +64,8 @@ def detect(log: TrackLog, config: DetectionConfig | None = None) -> Verdict:
 def statistics(log: TrackLog, config: DetectionConfig) -> Iterator[StatisticSeries]:
     """The series of all configured detectors, one after the other, as the report draws them."""
     chosen = [detectors.find(name) for name in config.detectors]
-    return chain.from_iterable(detector.statistics(log, config) for detector in chosen)
-
-
-def satellites_in(log: TrackLog) -> list[tuple[str, int]]:
-    """(RINEX system letter, PRN) of everything tracked, sorted."""
-    names = [(t.signal, t.prn) for t in log.signals] + [(c.upper, c.prn) for c in log.combos]
-    return sorted({(system_of(signal), prn) for signal, prn in names})
-
-
-def system_of(signal: str) -> str:
-    """RINEX system letter of a signal."""
-    return str(_core.signal_spec(signal)["system"])
+    share = share_of(config)
+    return chain.from_iterable(detector.statistics(log, share) for detector in chosen)
 
 
 def limits(config: DetectionConfig) -> str:
@@ -88,7 +94,7 @@ def _examine(log: TrackLog, series: StatisticSeries, config: DetectionConfig) ->
 
 
 def _alarm(log: TrackLog, series: StatisticSeries, config: DetectionConfig) -> Alarm | None:
-    decided = decision.find(config.rule)(series, per_test(config))
+    decided = decision.find(config.rule)(series, share_of(config))
     if decided is None:
         return None
     return Alarm(
@@ -110,21 +116,16 @@ def _band(
     log: TrackLog, series: StatisticSeries, decided: Decision, config: DetectionConfig
 ) -> str | None:
     """The band whose carrier left its course, after what the receiver's clock explains."""
-    track = next((c for c in log.combos if of_satellite(c, series.system, series.prn)), None)
-    if track is None:
+    found = combos_of(log, series.system, series.prn)
+    if not found or evidence_of(series.detector) == "quality":
         return None
     start_s = decided.onset_s - config.attribution_fit_s
     # Short windows alarm before either carrier has left its own course by enough to be named.
     later_s = LATER_S if series.shortest_s is not None else LATER_S[:1]
     for stop_s in (decided.alarm_s + later for later in later_s):
-        near = track.between(start_s, stop_s)
+        near = found[0].between(start_s, stop_s)
         clock = common_clock(log, (series.system, series.prn), decided.onset_s, stop_s, config)
         band = disturbed_band(near, decided.onset_s, stop_s, config, clock)
         if band is not None:
             return band
     return None
-
-
-def of_satellite(combo: ComboTrack, system: str, prn: int) -> bool:
-    """Whether a combo is that of a satellite: PRNs of two systems are the same numbers."""
-    return combo.prn == prn and system_of(combo.upper) == system

@@ -7,18 +7,18 @@ import pytest
 from simulated_tracks import F_LOWER_HZ, F_UPPER_HZ, Attack, Satellite, simulate_log
 from test_fusion import alarm
 
-from sdr_spoof.attribution import WRONG, attribute
+from sdr_spoof.attribution import BOTH, MISSED, WRONG, attribute
 from sdr_spoof.detectors import DetectionConfig
 from sdr_spoof.detectors.band_attribution import common_clock, disturbed_band
 from sdr_spoof.verdict import detect
 
 CONFIG = DetectionConfig()
-BOTH = ("B1CP", "B1I")
+BOTH_BANDS = ("B1CP", "B1I")
 OTHERS = [Satellite(prn, doppler_hz=d) for prn, d in ((24, -900.0), (25, 1700.0), (26, 300.0))]
 
 
 def attributed(*alarms):
-    return attribute(BOTH, alarms, 10.0, CONFIG)
+    return attribute(BOTH_BANDS, alarms, 10.0, CONFIG)
 
 
 def moved(log, seconds):
@@ -46,21 +46,23 @@ def moved(log, seconds):
     )
 
 
-@pytest.mark.parametrize("band", BOTH)
+@pytest.mark.parametrize("band", BOTH_BANDS)
 def test_carriers_alone_name_a_band(band):
     found = attributed(alarm(band=band))
     assert found.signal == band
-    assert found.confidence == pytest.approx(1 - WRONG["carriers"])
+    several = BOTH * MISSED["carriers"]
+    assert found.confidence == pytest.approx((1 - WRONG["carriers"]) / (1 + several))
 
 
 def test_one_weak_hint_is_not_enough_but_two_are():
     shape, power = alarm("ratio_metric", "B1I"), alarm("power", "B1I")
     assert attributed(shape).signal is None
-    assert attributed(shape).confidence == pytest.approx(0.9)
+    assert attributed(shape).confidence == pytest.approx(0.9 / (1 + BOTH * MISSED["shape"]))
     assert attributed(power).signal is None
     both = attributed(shape, power)
     assert both.signal == "B1I"
-    assert both.confidence == pytest.approx(1 / (1 + (0.1 / 0.9) * (0.2 / 0.8)))
+    several = BOTH * MISSED["shape"] * MISSED["power"]
+    assert both.confidence == pytest.approx(0.72 / (0.72 + 0.02 + several))
 
 
 def test_several_tests_of_the_same_taps_count_once():
@@ -69,10 +71,31 @@ def test_several_tests_of_the_same_taps_count_once():
     assert one == two
 
 
-def test_evidence_in_both_bands_says_nothing():
-    both = alarm("power", "B1I"), alarm("power", "B1CP")
-    assert attributed(*both).confidence is None
-    assert attributed(alarm(band="B1CP"), *both).signal == "B1CP"
+def both_bands(detector):
+    return [alarm(detector, band) for band in BOTH_BANDS]
+
+
+def test_one_kind_of_evidence_in_both_bands_does_not_refute_a_carrier():
+    power = both_bands("power")
+    assert attributed(*power).signal is None
+    assert attributed(alarm(band="B1CP"), *power).signal == "B1CP"
+
+
+def test_several_kinds_in_both_bands_say_that_both_were_captured():
+    several = [*both_bands("power"), *both_bands("ratio_metric")]
+    found = attributed(*several)
+    assert (found.signal, found.both) == (None, True)
+    assert "power: B1C and B1I" in found.evidence
+    # One code that has left its carrier, or one carrier its course, names none against that.
+    assert attributed(alarm("code_minus_carrier", "B1CP"), *several).both
+    carrier = attributed(alarm(band="B1I"), *both_bands("code_minus_carrier"), *several)
+    assert (carrier.signal, carrier.both) == (None, True)
+
+
+def test_symmetry_that_is_lost_in_both_bands_says_nothing():
+    # One code loop steers both.
+    alone = attributed(alarm(band="B1CP"))
+    assert attributed(alarm(band="B1CP"), *both_bands("delta_metric")) == alone
 
 
 def test_contradictions_lower_the_confidence():
@@ -85,7 +108,7 @@ def test_what_happened_long_before_is_another_event():
     assert attributed(alarm("power", "B1I", onset_s=-5.0)).confidence is None
 
 
-@pytest.mark.parametrize("band", BOTH)
+@pytest.mark.parametrize("band", BOTH_BANDS)
 @pytest.mark.parametrize("drag_hz", [0.5, -3.0])
 @pytest.mark.parametrize("phase_cycles", [0.0, 0.3])
 def test_the_captured_band_is_named(band, drag_hz, phase_cycles):
@@ -94,7 +117,7 @@ def test_the_captured_band_is_named(band, drag_hz, phase_cycles):
         log = simulate_log(Satellite(23, attack=attack), duration_s=12.0, seed=seed)
         (satellite,) = detect(log, CONFIG).satellites
         assert satellite.band == band
-        assert satellite.fallback == BOTH[1 - BOTH.index(band)]
+        assert satellite.fallback == BOTH_BANDS[1 - BOTH_BANDS.index(band)]
 
 
 RECEIVER = {
@@ -125,7 +148,7 @@ def test_the_receiver_alone_raises_no_alarm(what):
     assert {s.verdict for s in verdict.satellites} == {"clean"}
 
 
-@pytest.mark.parametrize("band", BOTH)
+@pytest.mark.parametrize("band", BOTH_BANDS)
 def test_the_other_satellites_explain_the_clock(band):
     # A poor oscillator moves both bands further than the attack moves one.
     attack = Attack(band=band, start_s=8.0, drag_hz=0.5)

@@ -94,6 +94,20 @@ def test_detection() -> None:
     assert fused["alarm_count"] == 2
 
 
+def test_any_alarm_counts_suspicions_by_the_first_of_all_tests() -> None:
+    suspect = np.array(["spoofed", "suspect", "spoofed", "spoofed", *["spoofed"] * 3, ""])
+    table = by_hand(
+        **{
+            "C27.verdict": suspect,
+            "C27.power.alarmed": np.array([1, 1, 0, 0, 0, 0, 0, -1], np.int8),
+            "C27.power.alarm_s": np.array([2.0, 3.0, *[NAN] * 6]),
+        }
+    )
+    first = row_of(detection_table(table, trials(table)), point=0, what="induced", detector="any")
+    assert (first["alarm_trials"], first["alarm_count"]) == (4, 3)  # one was early
+    assert first["median_on_air_s"] == pytest.approx(1.5)  # 1.0, 2.0 and 1.5
+
+
 def test_latency() -> None:
     rows = latency_table(by_hand(), trials(by_hand()))
     fast = row_of(rows, **{"point": 1, "detector": "glr", "from": "drag"})
@@ -166,8 +180,8 @@ def test_files(tmp_path: Path) -> None:
     assert {"detection.png", "roc.png", "coverage.png", "latency.png", "latency_drag.png"} < names
     with (tmp_path / "detection.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert len(rows) == 8
-    assert [r["median_on_air_s"] for r in rows if r["point"] == "0" and not r["what"]] == ["", ""]
+    assert len(rows) == 12
+    assert [r["median_on_air_s"] for r in rows if r["point"] == "0" and not r["what"]] == [""] * 3
     before = (tmp_path / "roc.png").read_bytes()
     write_analysis(tmp_path, by_hand())
     assert (tmp_path / "roc.png").read_bytes() == before

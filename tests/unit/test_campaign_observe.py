@@ -13,7 +13,7 @@ from sdr_spoof.campaign.columns import columns_of
 from sdr_spoof.campaign.points import Point
 from sdr_spoof.campaign.run import observe, truths
 from sdr_spoof.detectors import DetectionConfig
-from sdr_spoof.fusion import per_test
+from sdr_spoof.fusion import share_of
 from sdr_spoof.verdict import detect
 
 
@@ -49,7 +49,7 @@ def test_a_score_of_one_is_the_threshold(tmp_path: Path) -> None:
     for name in ("C27.phase_difference_rate", "C19.code_difference"):
         row = observe(both, log)
         assert (row[f"{name}.score"] > 1) == row[f"{name}.alarmed"]
-    halved = per_test(DetectionConfig(detectors=("a", "b")))
+    halved = share_of(DetectionConfig(detectors=("a", "b")))
     assert halved.false_alarm_probability == DetectionConfig().false_alarm_probability / 2
 
 

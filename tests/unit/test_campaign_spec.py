@@ -148,8 +148,8 @@ def test_seeds_do_not_depend_on_the_other_values(tmp_path: Path) -> None:
     assert not set(before.values()) & set(seeds(SPEC.replace("seed = 5", "seed = 6")).values())
 
 
-@pytest.mark.parametrize("name", ["drag", "coverage"])
+@pytest.mark.parametrize("name", ["drag", "attacks-and-detectors", "weak-spoofer"])
 def test_the_examples_are_right(name: str) -> None:
     plan = plan_campaign(EXAMPLES / f"{name}.toml")
-    assert len(plan.points) > 4
+    assert len(plan.points) > 3
     assert all(p.level == "correlator" for p in plan.points)

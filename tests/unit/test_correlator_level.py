@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -278,6 +278,52 @@ def test_a_strong_spoofer_far_off_in_code_is_noise():
             noise.append(simulator.take_signals()[0]["noise_power"][-1])
         expected = 1 + 2 / 3 / 2.046e6 * (power_hz if other is elsewhere else 10**4.5)
         assert noise[0] / noise[1] == pytest.approx(expected, rel=4 * np.sqrt(2 / 2000))
+
+
+def overpowered(rate_hz, prns):
+    """Four satellites, and counterfeit ones of others 10 dB stronger from 1.2 s on."""
+    plan = study.scenario(45.0, 3.2, prns=(19, 27, 32, 40), sample_rate_hz=rate_hz)
+    attack = {"kind": "asynchronous", "prns": prns, "signals": ["B1I", "B1C"], "start_s": 1.2}
+    return edited(plan, {}, attack=[attack])
+
+
+def changes_db(log):
+    """C/N0 and noise power after against before, of each track, in dB."""
+    found = {}
+    for s in log.signals:
+        before, after = (s.time_s > 0.6) & (s.time_s < 1.2), s.time_s > 2.0
+        noise_db = 10 * np.log10(s.noise_power)
+        rise = [x[after].mean() - x[before].mean() for x in (s.cn0_dbhz, noise_db)]
+        found.setdefault(s.signal, []).append(rise)
+    return {signal: np.array(rows) for signal, rows in found.items()}
+
+
+@pytest.mark.parametrize("rate_hz", [RATE_HZ, 30.03e6], ids=["boc11", "qmboc"])
+def test_overpowered_signals_raise_the_noise_as_on_if_level(rate_hz):
+    plan = overpowered(rate_hz, [21, 22, 23, 24])
+    starts = [a for a in study.seeds(plan) if a.prn in (19, 27, 32, 40)]
+    seen = changes_db(track(LiveRecording(plan, 1), starts, threads=1))
+    made = simulate(plan)
+    of_mine = tuple(s for s in made.signals if s.prn in (19, 27, 32, 40))
+    made = changes_db(replace(made, signals=of_mine))
+    for signal in ("B1I", "B1CP"):
+        x, y = seen[signal], made[signal]
+        # How codes meet at one Doppler and delay is chance too, in samples.
+        error = np.sqrt((x.var(axis=0, ddof=1) + y.var(axis=0, ddof=1)) / len(x))
+        assert (np.abs(x.mean(axis=0) - y.mean(axis=0)) < 4 * error).all(), signal
+        assert (error < 0.25).all()
+        # Four of 55 dB-Hz make 1.4 dB in the end; the noise's memory of 2 s has not forgotten yet.
+        assert 0.5 < y[:, 1].mean() < 2.0
+        assert -2.0 < y[:, 0].mean() < -0.2
+
+
+def test_a_counterfeit_satellite_off_the_air_costs_nothing_and_changes_nothing():
+    plan = scenario(1.0)
+    late = {"kind": "asynchronous", "prns": [21], "signals": ["B1I"], "start_s": 0.99}
+    quiet, with_late = simulate(plan), simulate(edited(plan, {}, attack=[late]))
+    for x, y in pairs(quiet, with_late):
+        rows = x.time_s < 0.95
+        assert x.taps[rows].tobytes() == y.taps[: rows.size][rows].tobytes()
 
 
 def test_settings_out_of_range():

@@ -2,12 +2,15 @@
 
 import numpy as np
 import pytest
+from scipy.stats import f as f_law
 from scipy.stats import norm
 
 from sdr_spoof.detectors import alarm_rate
 from sdr_spoof.detectors.alarm_rate import (
     alarms_per_hour,
     correlation_loss,
+    mean_alarms_per_hour,
+    mean_threshold_sigmas,
     overshoot,
     threshold_sigmas,
 )
@@ -132,3 +135,26 @@ def test_noise_that_rises_with_a_falling_signal_is_expected():
         < plan.threshold(1e-2)
         < np.nanmax(np.abs(deviates(values, np.ones(20_000), plan)))
     )
+
+
+@pytest.mark.parametrize("variance", [False, True])
+def test_alarms_per_hour_of_a_mean_and_of_a_variance_against_a_reference(variance):
+    # 14 h of white noise, the variance as the normal quantile of its F law; clumps a window apart.
+    window, reference, rows, z = 100, 1000, 5_000_000, 3.8
+    values = white(rows, 10)
+    values = values**2 if variance else values
+    total = np.concatenate(([0.0], np.cumsum(values)))
+    start = np.arange(reference, rows - window)
+    test = (total[start + window] - total[start]) / window
+    before = (total[start] - total[start - reference]) / reference
+    if variance:
+        law = f_law(window, reference)
+        beyond = (test / before > law.isf(norm.sf(z))) | (test / before < law.ppf(norm.sf(z)))
+    else:
+        beyond = np.abs(test - before) > z * np.sqrt(1 / window + 1 / reference)
+    found = clumps(beyond.astype(float), 0.5, window)
+    expected = rows * 0.01 / 3600 * mean_alarms_per_hour(z, window, reference, 0.01)
+    assert abs(found - expected) < 4 * np.sqrt(expected)
+    threshold = mean_threshold_sigmas(window, reference, 0.01, 5.0)
+    assert mean_alarms_per_hour(threshold, window, reference, 0.01) == pytest.approx(5.0)
+    assert mean_threshold_sigmas(window, reference, 0.01, 2.5, sides=1) == threshold

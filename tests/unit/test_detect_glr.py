@@ -183,6 +183,19 @@ def test_two_noisy_rows_are_no_pair_of_slips():
     assert np.max(np.abs(repaired[201:218] - noise[201:218])) < 0.01
 
 
+@pytest.mark.parametrize("seed", range(12))
+def test_a_slow_slip_in_much_noise_is_taken_out(seed):
+    """At 25 dB-Hz noise makes hops of its own beside those of a loop that lingers half-way."""
+    rng = np.random.default_rng(seed)
+    sigma, turned = 0.068, np.interp(np.arange(400), [190, 215], [0.0, 0.5])
+    discriminator = sigma * rng.standard_normal(400) - turned
+    measured = turned + discriminator - 0.5 * np.round(discriminator / 0.5)
+    repaired, count = repair_every_slip(measured, 0.5, sigma)
+    assert count >= 1
+    ends = repaired[:180].mean(), repaired[225:].mean()
+    assert abs(ends[0] - ends[1]) < 4 * sigma * np.sqrt(2 / 175)
+
+
 def test_a_lost_row_breaks_the_piece():
     combo = simulate_combo(Satellite())
     state = combo.state.copy()

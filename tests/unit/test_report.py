@@ -107,10 +107,8 @@ def test_the_verdict_comes_first_and_in_words(report, case):
     text = re.sub(r"<style>.*?</style>|<[^>]+>", " ", report, flags=re.S)
     text = " ".join(text.split())
     assert text.index("Spoofing detected", 20) < text.index("Satellites Satellite")
-    alarm = case["verdict"].satellites[0].alarms[0]
-    assert (
-        f"C23: its B1C (1575.42 MHz) signal has been captured, since {alarm.onset_s:.2f} s." in text
-    )
+    onset_s = case["verdict"].satellites[0].onset_s
+    assert f"C23: its B1C (1575.42 MHz) signal has been captured, since {onset_s:.2f} s." in text
     for part in ("10³⁰ tests", "2 of 3 satellites", "Cannot see", "✔ clean"):
         assert part in text
     assert "detection.window_s" in text

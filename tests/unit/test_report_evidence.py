@@ -7,7 +7,7 @@ import pytest
 from simulated_tracks import Attack, Satellite, simulate_log
 
 from sdr_spoof.detectors import DETECTORS, DetectionConfig
-from sdr_spoof.fusion import deciding, per_test
+from sdr_spoof.fusion import deciding, share_of
 from sdr_spoof.records import State
 from sdr_spoof.report import words
 from sdr_spoof.report.evidence import Evidence, EvidenceBook, broken
@@ -32,7 +32,7 @@ def evidence(log, verdict):
     taken = Evidence()
     for series in statistics(log, CONFIG):
         if series.time_s.size:
-            taken.take(series, per_test(CONFIG), verdict.satellites[0].alarms)
+            taken.take(series, share_of(CONFIG), verdict.satellites[0].alarms)
     return taken
 
 
@@ -44,7 +44,7 @@ def test_a_cell_is_beyond_one_exactly_where_its_detector_alarmed(evidence, verdi
 
 
 def test_lines_are_those_of_the_series(log, evidence):
-    config = per_test(CONFIG)
+    config = share_of(CONFIG)
     (series,) = (s for s in statistics(log, CONFIG) if s.detector == "phase_difference_rate")
     ratio = np.abs(series.value) / series.threshold(config.false_alarm_probability)
     time_s, value = evidence.consistency["phase_difference_rate", None].joined()
@@ -67,7 +67,7 @@ def test_sections_of_a_track_make_one_difference(log, evidence):
             trace_time_s=series.trace_time_s[part],
             trace_segment=series.trace_segment[part],
         )
-        taken.take(section, per_test(CONFIG), ())
+        taken.take(section, share_of(CONFIG), ())
     time_s, value = taken.difference.joined()
     whole_s, whole = evidence.difference.joined()
     np.testing.assert_array_equal(time_s, whole_s)

@@ -28,6 +28,7 @@ RECORDING = {
     "lo_hz": 1568.259e6,
     "sample_format": "ci8",
 }
+_QUIET = ("clean", "sky-static", "sky-moving")
 ATTACK = {
     "prn": 27,
     "signals": ["B1C"],
@@ -56,12 +57,12 @@ def scenario(attack: dict[str, object] | None = None, **satellite: object) -> Sc
 @pytest.mark.parametrize("name", scenario_names())
 def test_shipped_scenarios_are_valid(name: str) -> None:
     shipped = builtin_scenario(name)
-    assert len(shipped.satellite) >= 3
-    assert bool(shipped.attack) == (name != "clean")
+    assert len(shipped.satellites) >= 3
+    assert bool(shipped.attack) == (name not in _QUIET)
     assert shipped.title
     assert len(transmissions(shipped)) > 0
     told = truth(shipped.sped_up(10))
-    assert bool(told["attacks"]) == (name != "clean" and "multipath" not in name)
+    assert bool(told["attacks"]) == (name not in _QUIET and "multipath" not in name)
 
 
 def test_a_scenario_is_found_by_name_or_path(tmp_path: Path) -> None:

@@ -33,8 +33,10 @@ def cn0_dbhz(t: SignalTrack, start_s: float, end_s: float) -> float:
 @pytest.mark.parametrize("name", [n for n in scenario_names() if n != "ds7"])
 def test_every_shipped_scenario_is_received(name: str) -> None:
     made = builtin_scenario(name)
+    if made.sky is not None:
+        made = made.sped_up(15)
     log = simulate(made)
-    assert {t.prn for t in log.signals} >= {s.prn for s in made.satellite}
+    assert {t.prn for t in log.signals} >= {s.prn for s in made.satellites}
 
 
 def test_a_seamless_takeover_turns_the_phase_by_half_a_cycle_and_keeps_the_power() -> None:

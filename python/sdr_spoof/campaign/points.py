@@ -125,7 +125,7 @@ def _point(spec: CampaignSpec, index: int, chosen: list[_Choice], path: Path | s
 
 def _check(scenario: Scenario, detection: DetectionConfig, where: str) -> None:
     """What the models do not check themselves."""
-    if not scenario.satellite:
+    if not scenario.satellites:
         raise ConfigError(f"{where}: the scenario has no [[satellite]]; there is nothing to judge")
     try:
         decision.find(detection.rule)

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sdr_spoof.fusion import evidence_of, per_test
+from sdr_spoof.fusion import evidence_of, share_of
 from sdr_spoof.records import State
-from sdr_spoof.signals import satellite_name
-from sdr_spoof.verdict import detect, statistics, system_of
+from sdr_spoof.signals import satellite_name, system_of
+from sdr_spoof.verdict import detect
 
 from .columns import columns_of
 from .levels import LEVELS, subjects
@@ -17,7 +17,7 @@ from .levels import LEVELS, subjects
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from sdr_spoof.detectors import DetectionConfig
+    from sdr_spoof.detectors import DetectionConfig, StatisticSeries
     from sdr_spoof.records import SatelliteVerdict, TrackLog, Verdict
     from sdr_spoof.scenario import Scenario
 
@@ -38,14 +38,15 @@ def run(point: Point, seed: int) -> Row:
 def observe(point: Point, log: TrackLog) -> Row:
     """What detection says of a track log made at a point, beside the truth."""
     row: Row = {c.name: None for c in columns_of(point)}
-    found = _verdicts(detect(log, point.detection)) | _tracking(log)
-    scores, tested_s = _scores(log, point.detection)
+    scores = _Scores(point.detection)
+    found = _verdicts(detect(log, point.detection, scores.look)) | _tracking(log)
     for name, truth in truths(point.scenario).items():
         found |= _prefix(name, truth)
         for detector in point.detection.detectors:
             key = f"{name}.{detector}"
             found.setdefault(f"{key}.alarmed", False)
-            found |= {f"{key}.score": scores.get(key), f"{key}.tested_s": tested_s.get(key, 0.0)}
+            found[f"{key}.score"] = scores.scores.get(key)
+            found[f"{key}.tested_s"] = scores.tested_s(key)
     return row | {key: value for key, value in found.items() if key in row}
 
 
@@ -109,24 +110,30 @@ def _tracking(log: TrackLog) -> Row:
     return row
 
 
-def _scores(log: TrackLog, config: DetectionConfig) -> tuple[dict[str, float], dict[str, float]]:
+class _Scores:
     """Largest statistic over threshold, and tested time, of each satellite and detector.
 
     A detector may have several series of one satellite: of several signals, whose tested times lie
     beside each other, or of the sections of a long track, whose tested times add up.
     """
-    scores: dict[str, float] = {}
-    tested_s: dict[str, dict[tuple[str | None, str], float]] = {}
-    for series in statistics(log, config):
+
+    def __init__(self, config: DetectionConfig) -> None:
+        self.scores: dict[str, float] = {}
+        self._config = share_of(config)
+        self._tested_s: dict[str, dict[tuple[str | None, str], float]] = {}
+
+    def look(self, series: StatisticSeries) -> None:
         key = f"{satellite_name(series.system, series.prn)}.{series.detector}"
         which = (series.signal, series.quantity)
-        times = tested_s.setdefault(key, {})
+        times = self._tested_s.setdefault(key, {})
         times[which] = times.get(which, 0.0) + series.tested_s()
         if series.value.size:
-            threshold = series.threshold(per_test(config).false_alarm_probability)
+            threshold = series.threshold(self._config.false_alarm_probability)
             score = float(np.max(np.abs(series.value) / threshold))
-            scores[key] = max(score, scores.get(key, 0.0))
-    return scores, {key: max(times.values()) for key, times in tested_s.items()}
+            self.scores[key] = max(score, self.scores.get(key, 0.0))
+
+    def tested_s(self, key: str) -> float:
+        return max(self._tested_s.get(key, {}).values(), default=0.0)
 
 
 def _prefix(prefix: str, values: Row) -> Row:

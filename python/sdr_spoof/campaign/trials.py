@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 VERDICT = "verdict"
 """Stands for a detector: 'spoofed' is its alarm, at the first that decided it."""
+ANY = "any"
+"""Stands for all detectors: the first alarm of any of them, 'suspect' at least."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,8 @@ def trials(table: Table) -> Trials:
     """Every satellite of every run that did not fail, by every detector and by the verdict."""
     good = table.where(table["error"] == "")
     parts = [_of_detector(good, *name.split(".")[:2]) for name in _ending(good, "alarmed")]
-    parts += [_of_verdict(good, name.split(".")[0]) for name in _ending(good, "verdict")]
+    for satellite in (name.split(".")[0] for name in _ending(good, "verdict")):
+        parts += [_of_any(good, satellite), _of_verdict(good, satellite)]
     names = [f.name for f in fields(Trials)]
     empty: dict[str, list[Any]] = {name: [np.zeros(0)] for name in names} if not parts else {}
     gathered = empty or {name: [part[name] for part in parts] for name in names}
@@ -83,13 +86,29 @@ def _of_detector(table: Table, satellite: str, detector: str) -> dict[str, NDArr
     return {name: values[flag >= 0] for name, values in (common | own).items()}
 
 
+def _of_any(table: Table, satellite: str) -> dict[str, NDArray[Any]]:
+    own = [name for name in _ending(table, "alarm_s") if name.startswith(f"{satellite}.")]
+    first_s = np.nanmin([np.full(len(table), np.inf), *(table[name] for name in own)], axis=0)
+    alarmed = np.isin(table[f"{satellite}.verdict"], ("suspect", "spoofed"))
+    return _fused(table, satellite, ANY, alarmed, first_s)
+
+
 def _of_verdict(table: Table, satellite: str) -> dict[str, NDArray[Any]]:
-    verdict = table[f"{satellite}.verdict"]
     alarm_s = _numbers(table, f"{satellite}.alarm_s")
-    scores = np.full(len(table), np.nan)
-    common = _common(table, satellite, VERDICT)
-    own = {"alarmed": verdict == "spoofed", "alarm_s": alarm_s, "score": scores}
-    return {name: values[verdict != ""] for name, values in (common | own).items()}
+    return _fused(table, satellite, VERDICT, table[f"{satellite}.verdict"] == "spoofed", alarm_s)
+
+
+def _fused(
+    table: Table,
+    satellite: str,
+    name: str,
+    alarmed: NDArray[np.bool_],
+    alarm_s: NDArray[np.float64],
+) -> dict[str, NDArray[Any]]:
+    common = _common(table, satellite, name)
+    own = {"alarmed": alarmed, "alarm_s": alarm_s, "score": np.full(len(table), np.nan)}
+    judged = table[f"{satellite}.verdict"] != ""
+    return {name: values[judged] for name, values in (common | own).items()}
 
 
 def _common(table: Table, satellite: str, detector: str) -> dict[str, NDArray[Any]]:

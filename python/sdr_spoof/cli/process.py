@@ -67,6 +67,7 @@ def outcome(processed: Processed, ui: Ui, *, files: bool = True) -> Outcome:
         "partial": processed.log.partial,
         "duration_s": processed.log.duration_s,
         "acquisitions": processed.acquisitions,
+        "second_peaks": processed.log.second_peaks,
         "verdict": processed.verdict,
         "result": processed.result_path,
         "report": processed.report_path,

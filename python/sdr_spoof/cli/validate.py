@@ -22,6 +22,8 @@ STUDIES = {
     "tracking": "tracking_jitter.json",
     "combo": "combo.json",
     "fallback": "fallback.json",
+    "levels": "levels.json",
+    "bcnav1": "bcnav1.json",
     "speed": "speed.json",
 }
 """Name of a study, and the file that it writes last."""
@@ -83,10 +85,19 @@ def _study(arguments: argparse.Namespace, folder: Path, progress: Any) -> dict[s
 
         seeds = max(2, round(20 * share))
         return combo.run(folder, seeds=seeds, threads=arguments.threads, progress=progress)
+    if arguments.study == "bcnav1":
+        from sdr_spoof.studies import bcnav1  # noqa: PLC0415
+
+        frames = max(100, round(2000 * share))
+        return bcnav1.run(folder, frames=frames, threads=arguments.threads, progress=progress)
     if arguments.study == "fallback":
         from sdr_spoof.studies import fallback  # noqa: PLC0415
 
         return fallback.run(folder, runs=max(1, round(20 * share)), progress=progress)
+    if arguments.study == "levels":
+        from sdr_spoof.studies import levels  # noqa: PLC0415
+
+        return levels.run(folder, runs=max(2, round(16 * share)), progress=progress)
     from sdr_spoof.studies import tracking  # noqa: PLC0415
 
     duration_s = max(6.0, 30.0 * share)

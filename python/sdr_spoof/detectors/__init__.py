@@ -17,7 +17,9 @@ from sdr_spoof.detectors import (
     phase_difference_glr,
     phase_difference_rate,
     power,
+    power_difference,
     ratio_metric,
+    second_peak,
 )
 from sdr_spoof.detectors.config import DetectionConfig
 from sdr_spoof.detectors.series import StatisticSeries
@@ -107,11 +109,31 @@ DETECTORS: dict[str, Detector] = {
             power.NAME,
             "Power",
             "whether power has risen beyond what its past explains: C/N0, the band's noise, or the "
-            "one against the other",
+            "one against the other; and the noise of all satellites of a band together",
             "a spoofer as strong as the satellite; one that raises its power slowly; it cannot "
             "tell interference, multipath or a change of gain from a spoofer",
             power.statistics,
             "quality",
+        ),
+        Detector(
+            power_difference.NAME,
+            "Power difference",
+            "whether the power of the satellite's two bands changes alike",
+            "an attack that changes the power of both bands alike; changes slower than its "
+            "reference; it cannot tell multipath from a spoofer; satellites received in one band "
+            "only",
+            power_difference.statistics,
+            "quality",
+        ),
+        Detector(
+            second_peak.NAME,
+            "Second peak",
+            "whether a search finds a second signal of the satellite, well away from the tracked "
+            "one",
+            "a second signal within ten chips of the tracked one, or below the search's threshold; "
+            "one that is on the air between two searches only; one on a signal that is not "
+            "searched (B1C, where B1I is tracked); which of both signals is the true one",
+            second_peak.statistics,
         ),
     )
 }

@@ -1,4 +1,4 @@
-"""False alarms per hour of a jump-and-slope test that slides over white noise.
+"""False alarms per hour of a test that slides over white noise.
 
 Neighbouring windows share most of their rows, so crossings of a threshold come in clumps; what is
 heard as an alarm is a clump. The two standardised components u of a window (jump, slope) are a
@@ -12,6 +12,11 @@ Approximations via the Poisson Clumping Heuristic*, 1989, section J: beta T p in
 corrects for testing at whole rows, and turns the rate into p a row where rows hardly overlap). The
 factor beside p is thus the number of independent tests that the sliding amounts to. Rates of
 several lengths of window are added: an upper bound, since their windows overlap too.
+
+A test of one component, the mean of a window against that of a reference, is the same in one
+dimension: |u| > z comes at 2 z phi(z) beta nu(z sqrt(2 beta)) a row, phi the normal density. What
+counts is the correlation from row to row, which a monotone transform of the statistic hardly
+changes: the quotient of two sample variances, as the normal quantile of its F law, keeps it too.
 """
 
 from __future__ import annotations
@@ -26,6 +31,8 @@ from scipy.stats import norm
 
 DIRECTIONS = 64
 """Directions over which the mean is taken, over half a turn."""
+LEAST_SIGMAS = 2.0
+"""Below, the law of high thresholds does not hold; nobody may ask for so many alarms."""
 
 
 def threshold_sigmas(
@@ -46,8 +53,37 @@ def _threshold(
     def excess(z: float) -> float:
         return float(np.log(alarms_per_hour(z, windows, reference, step_s) / false_alarms_per_hour))
 
-    # Below 2 sigma the law of high thresholds does not hold; nobody may ask for so many alarms.
-    return 2.0 if excess(2.0) < 0.0 else float(brentq(excess, 2.0, 30.0, xtol=1e-6))
+    return LEAST_SIGMAS if excess(LEAST_SIGMAS) < 0.0 else float(brentq(excess, 2.0, 30.0))
+
+
+def mean_threshold_sigmas(
+    window: int, reference: int, step_s: float, false_alarms_per_hour: float, sides: int = 2
+) -> float:
+    """Threshold in standard deviations of a mean against that of the reference before it.
+
+    Lengths as in :func:`threshold_sigmas`; ``sides`` is 1 where only a rise alarms.
+    """
+    return _mean_threshold(window, reference, step_s, 2.0 * false_alarms_per_hour / sides)
+
+
+@lru_cache(maxsize=256)
+def _mean_threshold(
+    window: int, reference: int, step_s: float, false_alarms_per_hour: float
+) -> float:
+    def excess(z: float) -> float:
+        rate = mean_alarms_per_hour(z, window, reference, step_s)
+        return float(np.log(rate / false_alarms_per_hour))
+
+    return LEAST_SIGMAS if excess(LEAST_SIGMAS) < 0.0 else float(brentq(excess, 2.0, 30.0))
+
+
+def mean_alarms_per_hour(z: float, window: int, reference: int, step_s: float) -> float:
+    """Rate of clumps of means beyond ``z`` standard deviations to either side, per hour."""
+    # The autocorrelation of the weights falls by half the squares of their steps.
+    ends, middle = 1.0 / window**2 + 1.0 / reference**2, (1.0 / window + 1.0 / reference) ** 2
+    loss = 0.5 * (ends + middle) / (1.0 / window + 1.0 / reference)
+    per_row = 2.0 * z * loss * overshoot(z * np.sqrt(2.0 * loss)) * norm.pdf(z)
+    return 3600.0 / step_s * float(per_row)
 
 
 def alarms_per_hour(z: float, windows: Sequence[int], reference: int, step_s: float) -> float:

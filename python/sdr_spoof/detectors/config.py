@@ -23,6 +23,8 @@ class DetectionConfig(BaseModel):
             "ratio_metric",
             "ratio_metric_variance",
             "power",
+            "power_difference",
+            "second_peak",
         ),
         min_length=1,
         description="Detectors to run, by registry name.",
@@ -32,7 +34,8 @@ class DetectionConfig(BaseModel):
         1e-6,
         gt=0.0,
         lt=0.5,
-        description="Probability that noise alone crosses the two-sided threshold in one test.",
+        description="Probability that noise alone crosses the two-sided threshold in one test of "
+        "the detectors that state one (phase_difference_rate).",
     )
     threshold_model: Literal["published", "thermal"] = Field(
         "published",
@@ -76,8 +79,8 @@ class DetectionConfig(BaseModel):
         1e-3,
         gt=0.0,
         le=1000.0,
-        description="Rate of false alarms from noise, per hour, satellite and detector, of the "
-        "detectors that test several overlapping windows.",
+        description="Rate of false alarms from noise, per hour and satellite, of all detectors "
+        "together that state a rate (all but phase_difference_rate).",
     )
     phase_difference_glr_windows_s: tuple[Annotated[float, Field(gt=0.0, le=60.0)], ...] = Field(
         (0.1, 0.2, 0.5, 1.0, 2.0, 4.0),
@@ -178,6 +181,40 @@ class DetectionConfig(BaseModel):
         0.5,
         ge=0.0,
         description="Standard deviation of innocent changes of power (multipath, attitude), in dB.",
+    )
+    power_difference_windows_s: tuple[Annotated[float, Field(gt=0.0, le=60.0)], ...] = Field(
+        (0.6, 1.0, 2.0, 4.0),
+        min_length=1,
+        description="Windows of the jump and slope of the power of one band over the other, in s.",
+    )
+    power_difference_reference_s: float = Field(
+        10.0,
+        ge=5.0,
+        le=600.0,
+        description="Signal before a window from which level and noise are measured, in s.",
+    )
+    power_difference_drift_db_s: float = Field(
+        0.005,
+        ge=0.0,
+        description="Innocent drift of the power of one band over the other, in dB/s.",
+    )
+    power_difference_wander_db: float = Field(
+        1.0,
+        ge=0.0,
+        description="Width of the band within which multipath may innocently move the power of "
+        "one band over the other, in dB.",
+    )
+    power_floor_window_s: float = Field(
+        5.0,
+        ge=0.5,
+        le=60.0,
+        description="Window of the noise floor of a band, the mean of all its satellites, in s.",
+    )
+    power_floor_wander_db: float = Field(
+        0.05,
+        ge=0.0,
+        description="Standard deviation of innocent changes of the noise floor of a band "
+        "(temperature, antenna), in dB.",
     )
     power_noise_floor: float | None = Field(
         None,

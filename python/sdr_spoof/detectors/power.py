@@ -12,13 +12,18 @@ trailing reference (a fall, and the return from it, are what trees and houses do
   nothing else than the rise of the prompt's absolute power; interference leaves it alone, a spoofer
   that hides its C/N0 under noise of its own does not.
 
+A fourth, the noise floor of the band, is that of all satellites together (:mod:`.noise_floor`).
+
 Law under H0. The window's mean |P|^2 - noise over N epochs has the relative variance
 (2 / s + 1 / s^2) / N, s = C/N0 T. The tracker's noise power is an exponential mean with memory m of
 slices dt, each with relative variance 1; averaged over a window W that is
 (dt / W) (1 - (m / W) (1 - exp(-W / m))). 10 / ln 10 makes them dB; those of window and reference
 add. Innocent power wanders too (multipath, attitude, elevation): the deviation ``power_wander_db``
 is added in squares. Since the reference is the *largest* of its windows, P(value > x) under H0 is
-at most that of N(0, sigma^2); values below 0 are given as 0.
+at most that of N(0, sigma^2); values below 0 are given as 0. A rise over the largest window is one
+over the window just before, so that clumps of alarms are no more than those of a mean against a
+reference of its own length, which sets the threshold for a rate of false alarms per hour and
+satellite (:mod:`.alarm_rate`), shared by its signals and quantities.
 
 Sources: K. Wesson, J. Gross, T. Humphreys and B. Evans, "GNSS signal authentication via power and
 distortion monitoring" (IEEE Transactions on Aerospace and Electronic Systems 54, 2018); D. Akos,
@@ -36,7 +41,10 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
 from sdr_spoof import _core
+from sdr_spoof.detectors import noise_floor
+from sdr_spoof.detectors.alarm_rate import mean_threshold_sigmas
 from sdr_spoof.detectors.config import DetectionConfig
+from sdr_spoof.detectors.noise_floor import DB, NOISE_MEMORY_S, ChannelBins, noise_variance
 from sdr_spoof.detectors.presence import BELOW_DB, empty
 from sdr_spoof.detectors.series import StatisticSeries, signals_of
 from sdr_spoof.detectors.windows import sections, segments, sliding_mean
@@ -44,9 +52,6 @@ from sdr_spoof.records import SignalTrack, State, TrackLog
 
 NAME = "power"
 CN0, NOISE, AGAINST = "C/N0", "noise power", "C/N0 against power"
-SLICE_S, NOISE_MEMORY_S = 1e-3, 2.0
-"""The tracker averages the noise tap of slices over such a memory (``track/quality.rs``)."""
-DB = 10.0 / np.log(10.0)
 
 
 @dataclass(frozen=True)
@@ -65,17 +70,29 @@ class _Rows:
 
 
 def statistics(log: TrackLog, config: DetectionConfig) -> Iterator[StatisticSeries]:
-    """The rises of every signal, section by section."""
+    """The rises of every signal, section by section, then those of the bands."""
+    channels = []
     lead_s = config.power_window_s + config.power_reference_s + config.onset_lookback_s
     for track in log.signals:
         if not track.epochs:
             continue
-        share = 1.0 / (3.0 * signals_of(log, track))
+        share = 1.0 / (4.0 * signals_of(log, track))
+        channels.append(ChannelBins(track))
         for first, stop, lead in sections(track, lead_s):
             part = track.part(first, stop)
             rows, epoch_s = _rows(part, log.sample_rate_hz, config)
             for quantity in (CN0, NOISE, AGAINST):
                 yield _series(part, rows, epoch_s, quantity, share, lead, config)
+            _gather(channels[-1], part, rows, lead)
+    yield from noise_floor.statistics(log, channels, config, 0.25)
+
+
+def _gather(channel: ChannelBins, track: SignalTrack, rows: _Rows, lead: int) -> None:
+    """Epochs of a section, once the running mean of the noise is no longer a short one."""
+    time_s = track.time_s[rows.at]
+    since_s = time_s - time_s[np.searchsorted(rows.piece, rows.piece)]
+    kept = (rows.at >= lead) & (since_s >= NOISE_MEMORY_S)
+    channel.add(time_s[kept], rows.noise[kept], rows.signal[kept])
 
 
 def _rows(
@@ -145,6 +162,9 @@ def _series(
         signal=track.signal,
         quantity=quantity,
         share=share,
+        threshold_sigmas=mean_threshold_sigmas(
+            width, width, epoch_s, config.false_alarms_per_hour * share, sides=1
+        ),
     )
 
 
@@ -164,12 +184,6 @@ def _level(
         AGAINST: (signal, of_signal),
     }[quantity]
     return DB * np.log(level), DB**2 * variance
-
-
-def noise_variance(window_s: float) -> float:
-    """Relative variance of the tracker's noise power, averaged over a window."""
-    memory = NOISE_MEMORY_S / window_s
-    return SLICE_S / window_s * (1.0 - memory * (1.0 - float(np.exp(-1.0 / memory))))
 
 
 def _rise(

@@ -8,6 +8,7 @@ judged in hindsight, over short windows, and all rows of a window without signal
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Iterator
 
 import numpy as np
@@ -28,6 +29,9 @@ NOISE_CHIPS = 1.5
 """A tap this far from the prompt, or further, sees noise alone."""
 NOISE_S = 2.0
 """Noise power is averaged over this."""
+_KNOWN: dict[int, dict[tuple[int, float], NDArray[np.bool_]]] = {}
+"""Presence in the combos of each log, by its identity, as long as the log lives: several detectors
+ask for it. A log's rows do not change."""
 
 
 def combo_sections(
@@ -38,10 +42,28 @@ def combo_sections(
     Each with its rows in which both signals were there, how many rows are those of the section
     before, and the number of its first row in the whole track.
     """
-    for track in log.combos:
+    for number, track in enumerate(log.combos):
         for first, stop, lead in sections(track, lead_s):
             part = track.part(first, stop)
-            yield part, present(log, part, config.min_cn0_dbhz), lead, first
+            key = (number, config.min_cn0_dbhz) if track.epochs == part.epochs else None
+            yield part, _once(log, key, part, config), lead, first
+
+
+def _once(
+    log: TrackLog, key: tuple[int, float] | None, part: ComboTrack, config: DetectionConfig
+) -> NDArray[np.bool_]:
+    """:func:`present`, kept for the next detector where the part is a whole track."""
+    if id(log) not in _KNOWN:
+        _KNOWN[id(log)] = {}
+        weakref.finalize(log, _KNOWN.pop, id(log), None)
+    known = _KNOWN[id(log)]
+    if key is None or key not in known:
+        there = present(log, part, config.min_cn0_dbhz)
+        there.flags.writeable = False
+        if key is None:
+            return there
+        known[key] = there
+    return known[key]
 
 
 def present(log: TrackLog, combo: ComboTrack, min_cn0_dbhz: float) -> NDArray[np.bool_]:
@@ -50,13 +72,27 @@ def present(log: TrackLog, combo: ComboTrack, min_cn0_dbhz: float) -> NDArray[np
     A signal whose own track is not in the log, or has no noise tap, counts as there.
     """
     there = np.ones(combo.epochs, dtype=np.bool_)
-    for whole in log.signals if combo.epochs else ():
-        if whole.prn == combo.prn and whole.signal in (combo.lower, combo.upper):
-            track = whole.between(combo.time_s[0] - NOISE_S, combo.time_s[-1] + NOISE_S)
-            rows = np.searchsorted(track.time_s, combo.time_s - 0.5 * combo.integration_s)
-            rows = np.minimum(rows, track.epochs - 1)
+    for signal in (combo.lower, combo.upper):
+        found = rows_in(log, combo, signal)
+        if found is not None:
+            track, rows = found
             there &= ~empty(track, min_cn0_dbhz - BELOW_DB)[rows]
     return there
+
+
+def rows_in(
+    log: TrackLog, combo: ComboTrack, signal: str
+) -> tuple[SignalTrack, NDArray[np.int64]] | None:
+    """The track of one of a combo's signals, and its row for each of the combo's, shape (N,).
+
+    The track reaches beyond the combo by what :func:`empty` needs. None if it is not in the log.
+    """
+    for whole in log.signals if combo.epochs else ():
+        if whole.prn == combo.prn and whole.signal == signal:
+            track = whole.between(combo.time_s[0] - NOISE_S, combo.time_s[-1] + NOISE_S)
+            rows = np.searchsorted(track.time_s, combo.time_s - 0.5 * combo.integration_s)
+            return track, np.minimum(rows, track.epochs - 1)
+    return None
 
 
 def empty(track: SignalTrack, cn0_dbhz: float) -> NDArray[np.bool_]:

@@ -27,7 +27,8 @@ anti-spoofing device for legacy civil GPS receivers" (ION ITM 2010); the scatter
 2018).
 
 Where an epoch scatters more than the noise explains, by the reference itself, the law of the mean
-is widened by as much.
+is widened by as much. A test ends with every epoch; the threshold is set for a rate of false alarms
+per hour and satellite, which its signals share (:mod:`.alarm_rate`).
 """
 
 from __future__ import annotations
@@ -38,10 +39,10 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import f as f_law
-from scipy.stats import norm
+from scipy.special import fdtr, fdtrc, ndtri
 
 from sdr_spoof import _core
+from sdr_spoof.detectors.alarm_rate import mean_threshold_sigmas
 from sdr_spoof.detectors.config import DetectionConfig
 from sdr_spoof.detectors.presence import BELOW_DB, empty
 from sdr_spoof.detectors.series import StatisticSeries, signals_of
@@ -223,6 +224,12 @@ def _series(
         notes=(),
         signal=track.signal,
         share=share,
+        threshold_sigmas=mean_threshold_sigmas(
+            rows,
+            max(round(config.quality_reference_s / epochs.epoch_s), rows),
+            epochs.epoch_s,
+            config.false_alarms_per_hour * share,
+        ),
     )
 
 
@@ -298,6 +305,10 @@ def _f_to_normal(test: _Sums, reference: _Sums) -> NDArray[np.float64]:
     ratio = test.scatter / np.maximum(reference.scatter, 1e-30)
     freedom = test.count - 1.0, reference.count - 1.0
     tiny = 10.0**-ODDS_FLOOR
-    upper = np.maximum(f_law.sf(ratio, *freedom), tiny)
-    lower = np.maximum(f_law.cdf(ratio, *freedom), tiny)
-    return np.asarray(np.where(upper < lower, norm.isf(upper), norm.ppf(lower)))
+    # Of the two tails the one that is less than about a half keeps its precision.
+    high = ratio > 1.0
+    quantile = np.empty(ratio.shape)
+    for side, tail, sign in ((high, fdtrc, -1.0), (~high, fdtr, 1.0)):
+        p = tail(freedom[0][side], freedom[1][side], ratio[side])
+        quantile[side] = sign * ndtri(np.maximum(p, tiny))
+    return quantile

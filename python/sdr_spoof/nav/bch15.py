@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .soft import doubt
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -102,11 +104,11 @@ def decode(soft: NDArray[np.float32], noise: float) -> Decoded:
     """
     blocks = soft[:, SENT].reshape(-1, LENGTH)
     hard = (blocks < 0).astype(np.uint8)
-    errors, doubt = _most_likely(np.abs(blocks), _syndromes(hard), max(noise, 1e-3))
+    errors, doubtful = _most_likely(np.abs(blocks), _syndromes(hard), max(noise, 1e-3))
     shape = (len(soft), len(SENT))
     bits = (soft < 0).astype(np.uint8)
     bits[:, PLACES] = (hard ^ errors).reshape(*shape, LENGTH)
-    return Decoded(bits, errors.sum(axis=1).reshape(shape), doubt.reshape(shape))
+    return Decoded(bits, errors.sum(axis=1).reshape(shape), doubtful.reshape(shape))
 
 
 def _syndromes(blocks: NDArray[np.uint8]) -> NDArray[np.int64]:
@@ -133,14 +135,11 @@ def _most_likely(
 ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
     """Errors (N, 15) that explain syndromes at the least cost, and how doubtful they are."""
     errors = np.zeros(weight.shape, dtype=np.uint8)
-    doubt = np.zeros(len(weight))
+    doubtful = np.zeros(len(weight))
     for syndrome, patterns in enumerate(PATTERNS):
         rows = np.flatnonzero(syndromes == syndrome)
         costs = (weight[rows] @ patterns.T).astype(np.float64)
         best = costs.argmin(axis=1)
         errors[rows] = patterns[best]
-        # Of symbols +-1 in noise of variance s^2, errors of cost c have the weight exp(-2 c / s^2).
-        more = costs - costs.min(axis=1, initial=np.inf)[:, None]
-        others = np.exp(np.maximum(-2.0 * more / noise**2, -700.0)).sum(axis=1) - 1.0
-        doubt[rows] = others / (1.0 + others)
-    return errors, doubt
+        doubtful[rows] = doubt(costs, noise)
+    return errors, doubtful

@@ -19,6 +19,8 @@ PREAMBLE = np.array([1, 1, 1, 0, 0, 0, 1, 0, 0, 1, 0], dtype=np.uint8)
 """BDS-SIS-ICD-B1I-3.0, 5.2.4.1."""
 NUMBER = Field("FraID", ((16, 3),))
 SOW = Field("SOW", ((19, 8), (31, 12)))
+HEAD_BLOCKS = 3
+"""Blocks with time and number."""
 NO_CODEWORD = 15 / 16
 """Share of random blocks."""
 
@@ -39,12 +41,20 @@ class BeidouFraming:
 
     def chances(self, soft: NDArray[np.float32], length: NDArray[np.intp]) -> NDArray[np.float64]:
         """log10 of the chance that random blocks have so few errors."""
-        whole = bch15.SENT.max(axis=1) < length[:, None]
-        wrong = bch15.wrong_blocks((soft < 0).astype(np.uint8)) & whole
+        hard = (soft < 0).astype(np.uint8)
+        ones = hard[:, bch15.SENT].sum(axis=2)
+        # Bits that are all the same are codewords wherever a block is taken to begin.
+        telling = (ones > 0) & (ones < bch15.LENGTH)
+        whole = (bch15.SENT.max(axis=1) < length[:, None]) & telling
+        wrong = bch15.wrong_blocks(hard) & whole
         table = word_chances(len(bch15.SENT), NO_CODEWORD)
         return np.asarray(table[whole.sum(axis=1), wrong.sum(axis=1)])
 
-    def indices(self, soft: NDArray[np.float32]) -> list[int | None]:
+    def indices(self, soft: NDArray[np.float32], most_doubt: float) -> list[int | None]:
         """Which subframes they are."""
-        bits = bch15.decode(soft, self.noise).bits
-        return [self.index(SOW.raw(b), NUMBER.raw(b)) for b in bits]
+        decoded = bch15.decode(soft, self.noise)
+        sure = decoded.doubt[:, :HEAD_BLOCKS].sum(axis=1) <= most_doubt * HEAD_BLOCKS
+        return [
+            self.index(SOW.raw(bits), NUMBER.raw(bits)) if good else None
+            for bits, good in zip(decoded.bits, sure, strict=True)
+        ]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from . import beidou_pages, keplerian
 from .beidou import SIGNAL, BeidouMessage, legacy_ephemeris
 from .beidou_pages import PAGE, Slot
-from .beidou_satellites import GEO
+from .beidou_satellites import NOT_GEO
 from .bits import Field, layout
 from .broadcast import Contents, Klobuchar
 from .ephemeris import D1
@@ -103,7 +103,7 @@ class D1Message(BeidouMessage):
 
     def sent_on(self, signal: str, prn: int) -> bool:
         """B1I, all but geostationary ones."""
-        return signal == SIGNAL and prn not in GEO
+        return signal == SIGNAL and prn in NOT_GEO
 
     def index(self, sow: int, number: int) -> int | None:
         """Count of subframes since the start of the week, if they go together."""

@@ -33,6 +33,7 @@ BASIC_PAGES, INTEGRITY_PAGES, PAGES = 10, 6, 120
 EXPANDED_CYCLES = 3
 BASIC_PAGE = Field("Pnum1", ((43, 4),))
 INTEGRITY_PAGE = Field("Pnum2", ((44, 4),))
+"""Of subframe 2; subframes 3 and 4 go with it and have none."""
 WEEK = Field("WN", ((65, 13),))
 BASIC = layout(
     ("health", "1:47"),
@@ -125,8 +126,8 @@ class D2Message(BeidouMessage):
     def page(self, index: int, bits: NDArray[np.uint8]) -> int:
         """Page of subframes 1 and 5, and of the integrity."""
         number = index % 5 + 1
-        field = {1: BASIC_PAGE, 5: PAGE}.get(number, INTEGRITY_PAGE)
-        return field.raw(bits)
+        field = {1: BASIC_PAGE, 2: INTEGRITY_PAGE, 5: PAGE}.get(number)
+        return 0 if field is None else field.raw(bits)
 
     def tells_week(self, number: int, page: int) -> bool:
         """Page 1 of subframe 1."""
@@ -142,7 +143,7 @@ class D2Message(BeidouMessage):
             now = self.start(week, index)
             beidou_pages.fill(bits, slot(page), group, content, now)
             PAGE.write(bits, page)
-        else:
+        elif number == 2:
             INTEGRITY_PAGE.write(bits, frame % INTEGRITY_PAGES + 1)
 
     @staticmethod

@@ -74,6 +74,8 @@ ORBIT_3 = layout(
     ("i_dot", "279-292", keplerian.RATE),
     signed="cic omega0 cis i0 crc omega omega_dot i_dot",
 )
+HEAD_WORDS = 2
+"""Words with preamble, time and number."""
 NORMAL_FIT_S, LONG_FIT_S = 7200.0, 10_800.0
 FAILS_BY_CHANCE = 63 / 64
 """Share of random words."""
@@ -94,16 +96,24 @@ class LnavFraming:
 
     def chances(self, soft: NDArray[np.float32], length: NDArray[np.intp]) -> NDArray[np.float64]:
         """log10 of the chance that so few random words fail."""
+        hard = (soft < 0).astype(np.uint8)
         ends = np.arange(1, lnav_words.WORDS + 1) * lnav_words.WORD
-        whole = ends <= length[:, None]
-        wrong = lnav_words.failing((soft < 0).astype(np.uint8)) & whole
+        ones = hard.reshape(len(hard), -1, lnav_words.WORD).sum(axis=2)
+        # Bits that are all the same pass wherever a word is taken to begin.
+        telling = (ones > 0) & (ones < lnav_words.WORD)
+        whole = (ends <= length[:, None]) & telling
+        wrong = lnav_words.failing(hard) & whole
         table = word_chances(lnav_words.WORDS, FAILS_BY_CHANCE)
         return np.asarray(table[whole.sum(axis=1), wrong.sum(axis=1)])
 
-    def indices(self, soft: NDArray[np.float32]) -> list[int | None]:
+    def indices(self, soft: NDArray[np.float32], most_doubt: float) -> list[int | None]:
         """Which subframes they are."""
-        bits = lnav_words.decode(soft, self.noise).bits
-        return [_index(TOW.raw(b), NUMBER.raw(b)) for b in bits]
+        decoded = lnav_words.decode(soft, self.noise)
+        sure = decoded.doubt[:, :HEAD_WORDS].sum(axis=1) <= most_doubt * HEAD_WORDS
+        return [
+            _index(TOW.raw(bits), NUMBER.raw(bits)) if good else None
+            for bits, good in zip(decoded.bits, sure, strict=True)
+        ]
 
 
 def _index(count: int, number: int) -> int | None:

@@ -101,7 +101,7 @@ def kind_of(ident: int) -> str:
 
 def health_layout(ident: int) -> Layout:
     """Health of 6 bits: of satellites 1 to 24 on page 51, of 25 to 32 on page 63."""
-    first, bits = (1, range(91, 235)) if ident == HEALTH_5_ID else (25, range(229, 289))
+    first, bits = (1, range(91, 265)) if ident == HEALTH_5_ID else (25, range(229, 289))
     free = [b for b in bits if (b - 1) % 30 < 24]
     count = len(free) // HEALTH_BITS
     places = [tuple((b, 1) for b in free[6 * n : 6 * n + 6]) for n in range(min(count, 33 - first))]

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .soft import doubt
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -76,19 +78,19 @@ def failing(hard: NDArray[np.uint8]) -> NDArray[np.bool_]:
     return np.asarray((check != words[:, :, DATA:]).any(axis=2))
 
 
-def _patterns() -> tuple[NDArray[np.float32], NDArray[np.int64]]:
-    """Errors of up to two of the 30 bits of a word, and the parity failures that they cause."""
+def _patterns() -> dict[int, NDArray[np.float32]]:
+    """Errors of up to two of the 30 bits of a word, by the parity failures that they cause."""
     sets = [c for size in (0, 1, 2) for c in combinations(range(WORD), size)]
     patterns = np.zeros((len(sets), WORD), np.float32)
     for row, places in zip(patterns, sets, strict=True):
         row[list(places)] = 1
     columns = np.concatenate([FROM_DATA, np.eye(6, dtype=np.uint8)], axis=1)
-    failures = (patterns.astype(np.int64) @ columns.T) % 2
-    return patterns, failures @ (1 << np.arange(6))
+    failures = (patterns.astype(np.int64) @ columns.T) % 2 @ _BITS
+    return {int(f): patterns[failures == f] for f in np.unique(failures)}
 
 
-PATTERNS, FAILURES = _patterns()
-IMPOSSIBLE = 1e6
+_BITS = 1 << np.arange(6)
+PATTERNS = _patterns()
 
 
 @dataclass(frozen=True)
@@ -111,35 +113,41 @@ def decode(soft: NDArray[np.float32], noise: float) -> Decoded:
     count = len(soft)
     bits = (soft < 0).astype(np.uint8)
     corrected = np.zeros((count, WORDS), np.intp)
-    doubt = np.zeros((count, WORDS))
+    doubtful = np.zeros((count, WORDS))
     before = np.zeros((count, 2), np.uint8)
     for word in range(WORDS):
         part = slice(word * WORD, (word + 1) * WORD)
         received = bits[:, part]
         data = received[:, :DATA] ^ before[:, 1:]
         failed = parity(data, before) ^ received[:, DATA:]
-        errors, doubt[:, word] = _most_likely(np.abs(soft[:, part]), failed, max(noise, 1e-3))
+        errors, doubtful[:, word] = _most_likely(np.abs(soft[:, part]), failed, max(noise, 1e-3))
         corrected[:, word] = errors.sum(axis=1)
         received ^= errors
         before = received[:, 28:].copy()
         # The data, as they were before D30* of the last word inverted them.
         bits[:, word * WORD : word * WORD + DATA] = data ^ errors[:, :DATA]
-    return Decoded(bits, corrected, doubt)
+    return Decoded(bits, corrected, doubtful)
 
 
 def _most_likely(
     weight: NDArray[np.float32], failed: NDArray[np.uint8], noise: float
 ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
     """Errors (F, 30) that explain parity failures at the least cost, and how doubtful they are."""
-    costs = (weight @ PATTERNS.T).astype(np.float64)
-    costs[FAILURES[None, :] != (failed @ (1 << np.arange(6)))[:, None]] = IMPOSSIBLE
-    best = costs.argmin(axis=1)
-    least = costs[np.arange(len(costs)), best]
-    ratio = np.exp(np.maximum(-2.0 * (costs - least[:, None]) / noise**2, -700.0))
-    ratio[costs >= IMPOSSIBLE] = 0.0
-    # Beyond the patterns: at least four errors where parity holds, three where it does not.
-    lowest = np.sort(weight, axis=1)
-    more = np.where(failed.any(axis=1), lowest[:, :3].sum(axis=1), lowest[:, :4].sum(axis=1))
-    known = np.maximum(ratio.sum(axis=1) - 1.0, 0.0)
-    others = known + np.exp(np.minimum(2.0 * (least - more) / noise**2, 700.0))
-    return PATTERNS[best].astype(np.uint8), others / (1.0 + others)
+    errors = np.zeros(weight.shape, np.uint8)
+    doubtful = np.ones(len(weight))
+    kinds = failed @ _BITS
+    for kind in np.unique(kinds).tolist():
+        patterns = PATTERNS.get(kind)
+        if patterns is None:
+            continue
+        rows = np.flatnonzero(kinds == kind)
+        costs = (weight[rows] @ patterns.T).astype(np.float64)
+        best = costs.argmin(axis=1)
+        errors[rows] = patterns[best].astype(np.uint8)
+        # Beyond the patterns: at least four errors where parity holds, three where it does not.
+        lowest = np.partition(weight[rows], 4, axis=1)
+        more = lowest[:, : 4 if kind == 0 else 3].sum(axis=1, dtype=np.float64)
+        # That sum is the lowest that there can be, and may be below the best pattern.
+        more = np.maximum(more, costs.min(axis=1))
+        doubtful[rows] = doubt(np.concatenate([costs, more[:, None]], axis=1), noise)
+    return errors, doubtful

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from .bcnav1 import BCnav1Message
 from .d1 import D1Message
 from .d2 import D2Message
 from .lnav import LnavMessage
@@ -11,7 +12,9 @@ from .lnav import LnavMessage
 if TYPE_CHECKING:
     from .records import Message
 
-MESSAGES: dict[str, Message] = {m.name: m for m in (LnavMessage(), D1Message(), D2Message())}
+MESSAGES: dict[str, Message] = {
+    m.name: m for m in (LnavMessage(), D1Message(), D2Message(), BCnav1Message())
+}
 """One entry each. A message is a class with the functions of :class:`records.Message`."""
 
 

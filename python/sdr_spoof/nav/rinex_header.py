@@ -13,6 +13,8 @@ from .weeks import full_week
 
 LABEL = 60
 """Column at which a line's label begins."""
+LEAP = "LEAP SECONDS"
+"""Read first: offsets against UTC need it."""
 IONOSPHERE = {"GPS": "G", "BDS": "C"}
 
 
@@ -44,10 +46,10 @@ def read_header(lines: list[str], name: str) -> Header:
     leap: Leap | None = None
     alpha_beta: dict[str, tuple[float, float, float, float]] = {}
     contents, notes = Contents(), []
-    for n, line in enumerate(lines[:end]):
+    for n, line in sorted(enumerate(lines[:end]), key=lambda item: LEAP not in item[1][LABEL:]):
         label = line[LABEL:].strip()
         try:
-            if label == "LEAP SECONDS":
+            if label == LEAP:
                 leap = _leap(line)
             elif label == "IONOSPHERIC CORR":
                 v = [number(line[at : at + 12]) for at in range(5, 53, 12)]

@@ -10,8 +10,8 @@ from .time import WEEK_S, GnssTime
 from .weeks import nearest
 
 SYSTEMS = {"GP": "G", "BD": "C", "GA": "E", "GL": "R"}
-BDT_LEAP_S = 14
-"""GPST minus BDT."""
+BDT_LEAP_S, BDT_WEEK = 14, 1356
+"""GPST minus BDT, and the week of GPS at which BDS began to count; GPS counts days from 1."""
 
 
 @dataclass(frozen=True)
@@ -25,10 +25,15 @@ class Leap:
     system: str
     """G: since 1980; C: since 2006."""
 
-    def of(self, system: str) -> tuple[int, int]:
-        """Now and later in a system's own time."""
-        shift = (BDT_LEAP_S if self.system == "C" else 0) - (BDT_LEAP_S if system == "C" else 0)
-        return self.now_s + shift, self.future_s + shift
+    def of(self, system: str) -> Leap:
+        """The same in a system's own time, weeks and days."""
+        if system == self.system:
+            return self
+        sign = -1 if system == "C" else 1
+        shift = sign * BDT_LEAP_S
+        week = max(0, self.week + sign * BDT_WEEK)
+        now, future = self.now_s + shift, self.future_s + shift
+        return Leap(now, future, week, self.day + sign, system)
 
 
 def parameters(
@@ -49,9 +54,10 @@ def parameters(
         return Contents(offsets=(offset,) if name else ())
     if leap is None:
         raise MalformedError(f"{code} needs the leap seconds, which the header does not tell")
-    now, future = leap.of(system)
-    week, day = leap.week, leap.day
-    utc = UtcParameters(system, a0, a1, reference, now, week, day, future, a2, transmitted)
+    own = leap.of(system)
+    utc = UtcParameters(
+        system, a0, a1, reference, own.now_s, own.week, own.day, own.future_s, a2, transmitted
+    )
     return Contents(utc=(utc,))
 
 

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from math import comb
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from scipy.stats import binom
 
 from .bits import PAGE_BITS
 
@@ -24,6 +24,9 @@ SURE = -8.0
 """log10 of the chance below which a place is believed."""
 MOST_ERRORS, EXPECTED_ERRORS = 2, 4
 """Wrong bits of a preamble that are borne; and where one is expected."""
+MOST_DOUBT = 1e-5
+"""A time that is wrong with more than this probability is not believed; where it is expected it is.
+"""
 BATCH = 4096
 
 
@@ -41,9 +44,9 @@ class Framing(Protocol):
         first ``length`` symbols are there.
         """
 
-    def indices(self, soft: NDArray[np.float32]) -> list[int | None]:
+    def indices(self, soft: NDArray[np.float32], most_doubt: float) -> list[int | None]:
         """Of each subframe (F, 300), which it is since the start of the week; None where its time
-        and its number do not go together.
+        and its number do not go together, or are wrong with more than that probability.
         """
 
 
@@ -76,13 +79,38 @@ def preamble_errors(values: NDArray[np.float32], preamble: NDArray[np.uint8]) ->
 
 
 def find(values: NDArray[np.float32], framing: Framing) -> list[Found]:
-    """Subframes in symbols (N,), in order; the last may be cut off by the end."""
+    """Subframes in symbols (N,), in order; the last may be cut off by the end.
+
+    Those that agree on the time support each other: of two that overlap, the one with more support
+    is taken. (After a gap in the recording the time may be another.)
+    """
+    taken = np.zeros(values.size + PAGE_BITS, dtype=bool)
     chosen: list[Found] = []
-    for found in sorted(_sure(values, framing), key=lambda f: f.log10_chance):
-        if all(abs(found.start - other.start) >= PAGE_BITS for other in chosen):
-            chosen.append(found)
-    chosen += _expected(values, framing, sorted(chosen, key=lambda f: f.start))
+    for agreeing in _by_time(_sure(values, framing)):
+        known = _free(agreeing, taken)
+        if known:
+            chosen += known
+            chosen += _free(_expected(values, framing, known), taken)
     return sorted(chosen, key=lambda f: f.start)
+
+
+def _by_time(found: list[Found]) -> list[list[Found]]:
+    """Groups that agree on the time, in the order of symbols, the least likely by chance first."""
+    groups: dict[int, list[Found]] = {}
+    for f in found:
+        groups.setdefault(f.start - PAGE_BITS * f.index, []).append(f)
+    return sorted(groups.values(), key=lambda g: sum(f.log10_chance for f in g))
+
+
+def _free(found: list[Found], taken: NDArray[np.bool_]) -> list[Found]:
+    """Those whose symbols are not taken by others; they take them."""
+    free = []
+    for f in found:
+        symbols = taken[f.start : f.start + PAGE_BITS]
+        if not symbols.any():
+            symbols[:] = True
+            free.append(f)
+    return free
 
 
 def _sure(values: NDArray[np.float32], framing: Framing) -> list[Found]:
@@ -96,15 +124,15 @@ def _sure(values: NDArray[np.float32], framing: Framing) -> list[Found]:
         signs = np.where(errors[part] <= MOST_ERRORS, 1, -1)
         soft = windows(values, part) * signs[:, None].astype(np.float32)
         chance = framing.chances(soft, values.size - part) + framing.log10_chance
-        chance += np.log10(2 * binom.cdf(fewest[part], size, 0.5))
+        chance += np.log10(2.0) + word_chances(size, 0.5)[size, fewest[part]]
         likely = chance < SURE
-        found += _timed(framing, soft[likely], part[likely], signs[likely], chance[likely])
+        indices = framing.indices(soft[likely], MOST_DOUBT)
+        found += _timed(indices, part[likely], signs[likely], chance[likely])
     return found
 
 
 def _timed(
-    framing: Framing,
-    soft: NDArray[np.float32],
+    indices: list[int | None],
     starts: NDArray[np.intp],
     signs: NDArray[np.intp],
     chances: NDArray[np.float64],
@@ -112,9 +140,7 @@ def _timed(
     """Those whose time and number go together."""
     return [
         Found(int(start), int(sign), index, float(chance))
-        for start, sign, chance, index in zip(
-            starts, signs, chances, framing.indices(soft), strict=True
-        )
+        for start, sign, chance, index in zip(starts, signs, chances, indices, strict=True)
         if index is not None
     ]
 
@@ -131,7 +157,7 @@ def _expected(values: NDArray[np.float32], framing: Framing, known: list[Found])
     near = np.minimum(errors, size - errors) <= min(EXPECTED_ERRORS, size // 2 - 1)
     places, signs = places[near], signs[near]
     soft = windows(values, places) * signs[:, None].astype(np.float32)
-    found = _timed(framing, soft, places, signs, np.full(places.size, SURE))
+    found = _timed(framing.indices(soft, 1.0), places, signs, np.full(places.size, SURE))
     return [f for f in found if wanted[f.start] == f.index]
 
 
@@ -150,6 +176,8 @@ def _wanted(last: int, known: list[Found]) -> dict[int, int]:
 @cache
 def word_chances(words: int, share: float) -> NDArray[np.float64]:
     """log10 of the chance that at most k of n words fail, a random one with this share: [n, k]."""
-    n = np.arange(words + 1)
-    chances = binom.cdf(n[None, :], n[:, None], share)
-    return np.asarray(np.log10(np.maximum(chances, 1e-300)))
+    table = np.zeros((words + 1, words + 1))
+    for n in range(words + 1):
+        chances = [comb(n, k) * share**k * (1 - share) ** (n - k) for k in range(n + 1)]
+        table[n, : n + 1] = np.log10(np.cumsum(chances))
+    return table

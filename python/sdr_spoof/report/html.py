@@ -12,7 +12,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 
 from sdr_spoof.detectors import DetectionConfig
 from sdr_spoof.errors import OutputError
-from sdr_spoof.fusion import per_test
+from sdr_spoof.fusion import share_of
 from sdr_spoof.records import Acquisition, Alarm, SatelliteVerdict, TrackLog, Verdict
 from sdr_spoof.report import words
 from sdr_spoof.report.evidence import EvidenceBook
@@ -24,8 +24,9 @@ from sdr_spoof.report.figures.signals import draw_acquisition, draw_cn0
 from sdr_spoof.report.figures.spectrum import draw_spectrum
 from sdr_spoof.report.figures.truth import TruthMark
 from sdr_spoof.report.spectrum import RecordingLike, estimate_spectrum
+from sdr_spoof.satellites import tracks_of
 from sdr_spoof.sinks.atomic import replacing
-from sdr_spoof.verdict import CLEAN, NO_SUPPORT, SPOOFED, SUSPECT, statistics, system_of
+from sdr_spoof.verdict import CLEAN, NO_SUPPORT, SPOOFED, SUSPECT, statistics
 
 MARKS = {SPOOFED: "✖", SUSPECT: "?", CLEAN: "✔", NO_SUPPORT: "–"}
 MOST_DETAILS = 16
@@ -131,7 +132,7 @@ def _draw_tests(
     verdicts = {(s.system, s.prn): s for s in satellites}
     detailed = {(s.system, s.prn) for s in satellites[:MOST_DETAILS]}
     drawn = _Tests()
-    shown = per_test(config)
+    shown = share_of(config)
     for series in statistics(log, config):
         if series.time_s.size:
             key = series.system, series.prn
@@ -162,7 +163,7 @@ def _details(
     """(satellite, small multiples, overview not at the top, tests of a quiet one, alarms)."""
     for satellite in satellites:
         key = satellite.system, satellite.prn
-        tracks = [t for t in log.signals if (system_of(t.signal), t.prn) == key]
+        tracks = tracks_of(log, *key)
         figure = draw_satellite(tracks, satellite.onset_s, log.duration_s)
         overview = None if _on_top(satellite, satellites) else tests.overviews.get(key)
         alarms = [(a, tests.alarms[a]) for a in satellite.alarms if a in tests.alarms]

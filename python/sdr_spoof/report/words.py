@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from sdr_spoof import _core, detectors, signals
-from sdr_spoof.detectors import power
+from sdr_spoof.detectors import noise_floor, power, power_difference, second_peak
 from sdr_spoof.detectors.series import LOG10_P_FLOOR
-from sdr_spoof.fusion import deciding, evidence_of
+from sdr_spoof.fusion import BOTH_CHANGED, deciding, evidence_of
 from sdr_spoof.records import Alarm, SatelliteVerdict, Verdict
 from sdr_spoof.verdict import CLEAN, NO_SUPPORT, SPOOFED, SUSPECT
 
@@ -50,6 +50,10 @@ def satellite_sentence(satellite: SatelliteVerdict) -> str:
     since = f", since {satellite.onset_s:.2f} s" if satellite.onset_s is not None else ""
     if satellite.verdict == SUSPECT:
         return f"{who}: {_what(satellite.alarms[0])}{since}."
+    if satellite.action.endswith(BOTH_CHANGED):
+        return f"{who}: spoofed in both bands{since}."
+    if all(a.detector == second_peak.NAME for a in deciding(satellite.alarms)):
+        return f"{who}: {second_peak.CAUSE}{since}."
     if satellite.band is None:
         return f"{who}: spoofed, in which band cannot be told{since}."
     return f"{who}: its {band_name(satellite.band)} signal has been captured{since}."
@@ -57,8 +61,12 @@ def satellite_sentence(satellite: SatelliteVerdict) -> str:
 
 def _what(alarm: Alarm) -> str:
     if evidence_of(alarm.detector) == "consistency":
-        return "its carriers parted, and its peaks changed with them, as a reflection does too"
+        return "carriers or codes parted, and its peaks changed with them, as a reflection does too"
+    if alarm.detector == power_difference.NAME:
+        return "the power of one band changed against the other's; multipath or a spoofer"
     band = band_name(alarm.band)
+    if alarm.quantity == noise_floor.QUANTITY:
+        return f"the noise floor of {band} rose for all satellites alike; {noise_floor.CAUSE}"
     if alarm.detector == power.NAME:
         return f"{alarm.quantity} of its {band} signal rose; multipath or a spoofer"
     return f"the correlation peak of its {band} signal changed shape; multipath or a spoofer"
@@ -85,7 +93,7 @@ def _order(alarm: Alarm) -> tuple[bool, float]:
 def _test(alarm: Alarm) -> str:
     """Title of an alarm's test, with what it measured on which signal."""
     title = detectors.find(alarm.detector).title
-    if alarm.detector.startswith(("phase_difference", "code_difference")):
+    if alarm.detector.startswith(("phase_difference", "code_difference", "power_difference")):
         return title
     composite = _core.signal_spec(alarm.band)["composite"] if alarm.band else ""
     return " ".join(filter(None, (title, alarm.quantity and f"({alarm.quantity})", composite)))
@@ -94,6 +102,8 @@ def _test(alarm: Alarm) -> str:
 def action_sentence(satellite: SatelliteVerdict) -> str:
     """What to do with a satellite, and how sure it is which band was captured."""
     if satellite.verdict != SPOOFED:
+        return satellite.action
+    if satellite.action.endswith(BOTH_CHANGED):
         return satellite.action
     if satellite.band is None:
         return f"{satellite.action}: which band was captured cannot be told"

@@ -10,8 +10,8 @@ from sdr_spoof import _core
 from sdr_spoof.signals import components, signal_spec
 
 from .attack import Emission, Target
-from .base import SPEED_OF_LIGHT
-from .draw import integer, uniform
+from .draw import integer
+from .knots import added
 
 if TYPE_CHECKING:
     from sdr_spoof._core import Emitter
@@ -38,7 +38,9 @@ class Transmission:
     cn0_dbhz: float
     """Of the component, before the power profile."""
     data_seed: int | None
-    """Seed of its data symbols; None for a pilot."""
+    """Seed of its data symbols; None for a pilot, and where they are those of a message."""
+    has_message: bool
+    """Whether its data symbols are a navigation message, encoded in full."""
     data_error_rate: float
     """Share of its symbols that are not those of the seed."""
     start_s: float
@@ -50,7 +52,7 @@ def transmissions(scenario: Scenario) -> list[Transmission]:
     """Everything on the air: authentic components first, then those of the attacks, in order."""
     authentic = [
         _transmission(scenario, target, Emission(start_s=-math.inf), AUTHENTIC)
-        for satellite in scenario.satellite
+        for satellite in scenario.satellites
         for target in _targets(satellite, satellite.signals)
     ]
     added = [
@@ -71,26 +73,32 @@ def _transmission(
     scenario: Scenario, target: Target, emission: Emission, role: str
 ) -> Transmission:
     satellite, spec = target.satellite, target.spec
-    per_m_s = -spec.carrier_hz / SPEED_OF_LIGHT
     cn0_dbhz = satellite.signal_cn0_dbhz(target.signal) + 10 * math.log10(_share(target))
-    data_seed = _data_seed(scenario, target)
+    symbols = satellite.symbols(spec) if target.has_data else None
+    data_seed = _data_seed(scenario, target) if symbols is None else None
+    motion = emission.motion or satellite.motion(spec, target.signal, scenario.recording.seed)
+    start_s = max(emission.start_s, motion.start_s)
+    end_s = math.inf if emission.end_s is None else emission.end_s
+    end_s = min(end_s, motion.end_s)
     # What is on the air at either end of the recording is so beyond it: the filter reaches out.
     emitter = _core.Emitter(
         spec.id,
         satellite.prn,
         cn0_dbhz,
-        delay_s=satellite.delay_ms * 1e-3,
-        phase_cycles=_phase_cycles(scenario, target) + emission.phase_cycles,
-        doppler_hz=satellite.range_rate * per_m_s,
-        doppler_rate_hz_s=satellite.range_acceleration_m_s2 * per_m_s,
+        range_m=motion.range_m,
+        delay_s=motion.delay_s,
+        phase_cycles=motion.phase_cycles + emission.phase_cycles,
+        doppler_hz=motion.doppler_hz,
+        doppler_rate_hz_s=motion.doppler_rate_hz_s,
         data_seed=data_seed,
+        symbols=symbols,
         data_delay_s=emission.data_delay_s if target.has_data else 0.0,
         data_error_rate=emission.data_error_rate,
-        power_db=emission.power_db,
-        code_offset_m=emission.code_offset_m,
+        power_db=added(motion.power_db, emission.power_db),
+        code_offset_m=added(motion.code_offset_m, emission.code_offset_m),
         carrier_offset_hz=emission.carrier_offset_hz,
-        start_s=emission.start_s if emission.start_s > 0 else -math.inf,
-        end_s=math.inf if emission.end_s is None else emission.end_s,
+        start_s=start_s if start_s > 0 else -math.inf,
+        end_s=end_s,
     )
     return Transmission(
         role=role,
@@ -100,9 +108,10 @@ def _transmission(
         composite=target.signal,
         cn0_dbhz=cn0_dbhz,
         data_seed=data_seed,
+        has_message=symbols is not None,
         data_error_rate=emission.data_error_rate if target.has_data else 0.0,
-        start_s=max(0.0, emission.start_s),
-        end_s=scenario.recording.duration_s if emission.end_s is None else emission.end_s,
+        start_s=max(0.0, start_s),
+        end_s=min(scenario.recording.duration_s, end_s) if emission.end_s is None else end_s,
         emitter=emitter,
     )
 
@@ -119,14 +128,3 @@ def _data_seed(scenario: Scenario, target: Target) -> int | None:
     satellite = target.satellite
     seed = scenario.recording.seed if satellite.data_seed is None else satellite.data_seed
     return integer("data", seed, satellite.system, satellite.prn, target.spec.id)
-
-
-def _phase_cycles(scenario: Scenario, target: Target) -> float:
-    """Received phase at 0 s, the same for all components of a signal."""
-    satellite = target.satellite
-    if satellite.carrier_phase_cycles == "geometric":
-        return -math.fmod(target.spec.carrier_hz * satellite.delay_ms * 1e-3, 1.0)
-    if satellite.carrier_phase_cycles == "random":
-        seed = scenario.recording.seed
-        return uniform("phase", seed, satellite.system, satellite.prn, target.signal)
-    return satellite.carrier_phase_cycles

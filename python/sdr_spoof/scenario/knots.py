@@ -5,6 +5,7 @@ Constant before the first and after the last knot; two knots at the same time ma
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from itertools import pairwise
 
 Knots = list[tuple[float, float]]
@@ -49,3 +50,34 @@ def _value(knots: Knots, time_s: float) -> float:
         return (before[-1:] or after[:1] or [(0.0, 0.0)])[0][1]
     (t0, v0), (t1, v1) = before[-1], after[0]
     return v0 + (v1 - v0) * (time_s - t0) / (t1 - t0)
+
+
+def added(a: Knots, b: Knots) -> Knots:
+    """The sum of two profiles, steps included."""
+    if not a or not b:
+        return list(a or b)
+    sides_a, sides_b = _Sides(a), _Sides(b)
+    knots: Knots = []
+    for t in sorted({*sides_a.times, *sides_b.times}):
+        before, after = (va + vb for va, vb in zip(sides_a.at(t), sides_b.at(t), strict=True))
+        knots += [(t, before)] if before == after else [(t, before), (t, after)]
+    return knots
+
+
+class _Sides:
+    """Values of a profile just before and just after a time."""
+
+    def __init__(self, knots: Knots) -> None:
+        self.knots = knots
+        self.times = [t for t, _ in knots]
+
+    def at(self, time_s: float) -> tuple[float, float]:
+        first, after = bisect_left(self.times, time_s), bisect_right(self.times, time_s)
+        if after > first:
+            return self.knots[first][1], self.knots[after - 1][1]
+        if first in (0, len(self.knots)):
+            value = self.knots[min(first, len(self.knots) - 1)][1]
+            return value, value
+        (t0, v0), (t1, v1) = self.knots[first - 1], self.knots[first]
+        value = v0 + (v1 - v0) * (time_s - t0) / (t1 - t0)
+        return value, value

@@ -33,7 +33,7 @@ class LiveRecording:
         )
         self.sample_count = plan.sample_count
         self.duration_s = plan.duration_s
-        self._signals = {s for satellite in scenario.satellite for s in satellite.signals}
+        self._signals = {s for satellite in scenario.satellites for s in satellite.signals}
         self._synthesizer = open_synthesizer(scenario, threads)
 
     def read_raw(self, start: int, count: int) -> NDArray[np.uint8]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from pathlib import Path
+from typing import Any
 
 from sdr_spoof.errors import ConfigError
 from sdr_spoof.validation import in_file, load_toml, validated
@@ -11,6 +12,8 @@ from sdr_spoof.validation import in_file, load_toml, validated
 from .model import Scenario
 
 _DATA = Path(__file__).parent / "data"
+_PATHS = ("navigation", "file")
+"""Keys that hold the path of another file."""
 
 
 def load_scenario(path: Path | str) -> Scenario:
@@ -20,7 +23,17 @@ def load_scenario(path: Path | str) -> Scenario:
         ConfigError: missing, not TOML, or wrong; the message names file, table and key.
     """
     path = Path(path)
-    return validated(Scenario, load_toml(path), in_file(path))
+    values = _with_folder(load_toml(path), path.parent)
+    return validated(Scenario, values, in_file(path))
+
+
+def _with_folder(value: Any, folder: Path, key: str = "") -> Any:
+    """The same tables with the paths of other files from the folder of this one."""
+    if isinstance(value, dict):
+        return {k: _with_folder(v, folder, k) for k, v in value.items()}
+    if isinstance(value, list):
+        return [_with_folder(v, folder, key) for v in value]
+    return str(folder / value) if key in _PATHS and isinstance(value, str) else value
 
 
 def scenario_names() -> list[str]:

@@ -16,9 +16,11 @@ from .base import FROZEN
 from .draw import of_attack
 from .recording_plan import RecordingPlan
 from .satellite import Satellite
+from .sky import SkyTable, sky_of
 
 if TYPE_CHECKING:
     from .draw import Draw
+    from .sky import Sky
 
 _TIME = re.compile(r"(?<!_m)_s$")
 """Keys that hold seconds, and not metres per second."""
@@ -31,30 +33,48 @@ class Scenario(BaseModel):
 
     title: str = Field("", description="what it shows")
     recording: RecordingPlan
+    sky: SkyTable | None = Field(None, description="authentic satellites on their orbits")
     satellite: tuple[Satellite, ...] = Field((), description="authentic satellites")
     attack: tuple[AnyAttack, ...] = Field((), description="attacks, and multipath")
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        names = [(s.system, s.prn) for s in self.satellite]
+        names = [(s.system, s.prn) for s in self.satellites]
         for system, prn in names:
             if names.count((system, prn)) > 1:
                 raise ValueError(f"[[satellite]] prn: {system}{prn:02} appears twice")
-        for satellite in self.satellite:
-            self._check_band("[[satellite]]", satellite, satellite.signals)
+        for satellite in self.satellites:
+            table = "[[satellite]]" if satellite in self.satellite else "[sky]"
+            self._check_band(table, satellite, satellite.signals)
         for number, attack in enumerate(self.attack):
             try:
-                attack.check(self.satellite, self.recording.duration_s)
+                attack.check(self.satellites, self.recording.duration_s)
             except ValueError as error:
                 raise ValueError(f"[[attack]] (number {number + 1}) {error}") from error
             for satellite, signals in self.victims(number):
                 self._check_band("[[attack]]", satellite, signals)
         return self
 
+    @property
+    def satellites(self) -> tuple[Satellite, ...]:
+        """All authentic ones: those of the file, and those of its sky."""
+        return self.satellite if self.sky is None else (*self.satellite, *self._sky().satellites)
+
+    def sky_model(self) -> Sky | None:
+        """Orbits, antenna and clock of the table ``[sky]``, where there is one."""
+        return None if self.sky is None else self._sky()
+
+    def _sky(self) -> Sky:
+        assert self.sky is not None
+        try:
+            return sky_of(self.sky, self.recording.duration_s, self.recording.seed)
+        except ValueError as error:
+            raise ValueError(f"[sky] {error}") from error
+
     def victims(self, number: int) -> Victims:
         """Satellites and signals that the attack of this number imitates."""
         attack = self.attack[number]
-        return attack.victims(self.satellite, self.draw(number))
+        return attack.victims(self.satellites, self.draw(number))
 
     def draw(self, number: int) -> Draw:
         """Random numbers of the attack of this number."""

@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Literal, Self
+import math
+from typing import TYPE_CHECKING, Literal, Self
 
 from pydantic import BaseModel, Field, model_validator
 
 from sdr_spoof.signals import components, signal_spec
 
 from .base import FROZEN, REFERENCE_HZ, SPEED_OF_LIGHT, Phase
+from .draw import uniform
+from .motion import Motion
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from sdr_spoof.signals import SignalSpec
 
 
 class Satellite(BaseModel):
@@ -58,6 +67,29 @@ class Satellite(BaseModel):
     def signal_cn0_dbhz(self, signal: str) -> float:
         """C/N0 of one of its signals."""
         return self.cn0_dbhz[signal] if isinstance(self.cn0_dbhz, dict) else self.cn0_dbhz
+
+    def motion(self, spec: SignalSpec, signal: str, seed: int) -> Motion:
+        """How a component of one of its signals moves; the seed is that of the scenario."""
+        per_m_s = -spec.carrier_hz / SPEED_OF_LIGHT
+        return Motion(
+            delay_s=self.delay_ms * 1e-3,
+            phase_cycles=self._phase_cycles(spec, signal, seed),
+            doppler_hz=self.range_rate * per_m_s,
+            doppler_rate_hz_s=self.range_acceleration_m_s2 * per_m_s,
+        )
+
+    def symbols(self, spec: SignalSpec) -> NDArray[np.int8] | None:
+        """Data symbols from code phase 0 on; None: pseudo-random ones."""
+        del spec
+        return None
+
+    def _phase_cycles(self, spec: SignalSpec, signal: str, seed: int) -> float:
+        """Received phase at 0 s, the same for all components of a signal."""
+        if self.carrier_phase_cycles == "geometric":
+            return -math.fmod(spec.carrier_hz * self.delay_ms * 1e-3, 1.0)
+        if self.carrier_phase_cycles == "random":
+            return uniform("phase", seed, self.system, self.prn, signal)
+        return self.carrier_phase_cycles
 
 
 def range_rate(range_rate_m_s: float | None, doppler_hz: float | None) -> float:

@@ -9,11 +9,13 @@ Every quantity is that of the synthesis itself, asked at the times of the table:
   pilot is not in it); the phase in the file is ``(carrier - lo_hz) t - carrier_phase_cycles``;
 - ``doppler_hz``: positive when approaching;
 - ``cn0_dbhz``: of the component, null while off the air;
-- ``data_delay_s``, ``data_error_rate``: how its data symbols differ from those of ``data_seed``;
+- ``data_delay_s``, ``data_error_rate``: how its data symbols differ from those of ``data_seed``,
+  or of its navigation message (``has_message``);
 - ``role``: authentic, spoof, meacon or multipath.
 
 ``attacks`` has an entry for each attacked satellite, ``disturbances`` one for each that has
-multipath, which is no attack.
+multipath, which is no attack. ``sky``, where the scenario has one, tells of the receiver's state
+and of the satellites in view.
 """
 
 from __future__ import annotations
@@ -25,7 +27,9 @@ import numpy as np
 
 from sdr_spoof.signals import components, signal_spec
 
-from .emitters import Transmission, transmissions
+from .attack import Position
+from .emitters import AUTHENTIC, Transmission, transmissions
+from .sky.truth import sky_truth
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -38,6 +42,8 @@ INTERVAL_S = 0.1
 """Spacing of the table."""
 _MAX_ROWS = 1000
 """Longer recordings get a wider spacing."""
+_MAX_SKY_ROWS = 36_000
+"""An hour."""
 
 
 def truth(scenario: Scenario, *, sample_count: int | None = None) -> dict[str, Any]:
@@ -50,10 +56,11 @@ def truth(scenario: Scenario, *, sample_count: int | None = None) -> dict[str, A
     plan = scenario.recording
     count = plan.sample_count if sample_count is None else sample_count
     duration_s = count / plan.sample_rate_hz
-    interval_s = max(INTERVAL_S, duration_s / _MAX_ROWS)
+    interval_s = _interval_s(scenario, duration_s)
     rows = int(duration_s / interval_s + 1e-9) + 1
     time_s = np.arange(rows, dtype=np.float64) * np.float64(interval_s)
-    return {
+    sent = transmissions(scenario)
+    told = {
         "title": scenario.title,
         "sample_count": count,
         "partial": count < plan.sample_count,
@@ -62,9 +69,22 @@ def truth(scenario: Scenario, *, sample_count: int | None = None) -> dict[str, A
         "attacks": attack_timelines(scenario),
         "disturbances": attack_timelines(scenario, hostile=False),
         "time_s": _rounded(time_s, 9),
-        "emitters": [_emitter(t, time_s) for t in transmissions(scenario)],
+        "emitters": [_emitter(t, time_s) for t in sent],
         "scenario": scenario.model_dump(),
     }
+    sky = scenario.sky_model()
+    if sky is not None:
+        authentic = [t for t in sent if t.role == AUTHENTIC]
+        false = [a for a in scenario.attack if isinstance(a, Position)]
+        told["sky"] = sky_truth(sky, time_s, authentic, false)
+    return told
+
+
+def _interval_s(scenario: Scenario, duration_s: float) -> float:
+    """Of the table; a sky keeps its 10 Hz longer, and whole multiples of it."""
+    if scenario.sky is None:
+        return max(INTERVAL_S, duration_s / _MAX_ROWS)
+    return INTERVAL_S * max(1, math.ceil(duration_s / INTERVAL_S / _MAX_SKY_ROWS))
 
 
 def attack_timelines(scenario: Scenario, *, hostile: bool = True) -> list[dict[str, Any]]:
@@ -106,6 +126,7 @@ def _emitter(t: Transmission, time_s: NDArray[np.float64]) -> dict[str, Any]:
         "signal": t.signal,
         "composite": t.composite,
         "data_seed": t.data_seed,
+        "has_message": t.has_message,
         "data_delay_s": t.emitter.data_delay_s,
         "data_error_rate": t.data_error_rate,
         "start_s": t.start_s,

@@ -4,6 +4,7 @@ Layout: ``/`` holds ``partial`` and ``format_version``; ``/recording`` the forma
 ``/config`` the effective configuration (JSON); ``/acquisitions`` one column per field;
 ``/tracks/<signal>_<prn>`` and ``/combos/<lower>_<upper>_<prn>`` one column per field, one row per
 epoch;
+``/second_peaks`` one column per field, one row per search;
 ``/verdict`` with tables of satellites and alarms. Every dataset has the attribute ``units``
 ("1" where it has none). No dates are stored.
 """
@@ -21,6 +22,7 @@ from sdr_spoof.errors import RecordingError
 from sdr_spoof.records import (
     Acquisition,
     ComboTrack,
+    SecondPeak,
     SignalTrack,
     TrackLog,
     Verdict,
@@ -120,6 +122,7 @@ def _write_log(file: h5py.File, log: TrackLog) -> None:
     records.write_text(group, "recording", log.recording)
     for name in ("sample_rate_hz", "duration_s"):
         records.write_array(group, name, getattr(log, name))
+    records.write_rows(file.create_group("second_peaks"), SecondPeak, log.second_peaks)
     # In the order of the log, not of the names.
     tracks = file.create_group("tracks", track_order=True)
     for track in log.signals:
@@ -143,6 +146,13 @@ def _read(file: h5py.File) -> Result:
     )
 
 
+def _read_second_peaks(file: h5py.File) -> tuple[SecondPeak, ...]:
+    """Files written before there were such searches have none."""
+    if "second_peaks" not in file:
+        return ()
+    return tuple(records.read_rows(file["second_peaks"], SecondPeak))
+
+
 def _read_log(file: h5py.File) -> TrackLog:
     group = file["log"]
     return TrackLog(
@@ -152,4 +162,5 @@ def _read_log(file: h5py.File) -> TrackLog:
         partial=bool(file.attrs["partial"]),
         signals=tuple(records.read_track(g, SignalTrack) for g in file["tracks"].values()),
         combos=tuple(records.read_track(g, ComboTrack) for g in file["combos"].values()),
+        second_peaks=_read_second_peaks(file),
     )

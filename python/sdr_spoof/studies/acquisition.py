@@ -250,7 +250,7 @@ def run(
     threads: int = 1,
     progress: Progress | None = None,
 ) -> dict[str, object]:
-    """Run both studies for B1I and B1CP; write acquisition_pd.{png,csv} and acquisition.json.
+    """Run both studies for B1I, B1CP and L1CA; write acquisition_pd.{png,csv} and acquisition.json.
 
     Args:
         output: folder to write to.
@@ -263,7 +263,11 @@ def run(
     Returns:
         What acquisition.json holds.
     """
-    plan = {"B1I": np.arange(30.0, 39.5, 1.0), "B1CP": np.arange(26.0, 35.5, 1.0)}
+    plan = {
+        "B1I": np.arange(30.0, 39.5, 1.0),
+        "B1CP": np.arange(26.0, 35.5, 1.0),
+        "L1CA": np.arange(30.0, 39.5, 1.0),
+    }
     total = sum(len(c) for c in plan.values())
     alarms: list[PfaResult] = []
     points: list[PdPoint] = []

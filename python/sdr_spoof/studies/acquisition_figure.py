@@ -24,7 +24,7 @@ def draw(path: Path, points: Sequence[PdPoint]) -> None:
     figure = Figure(figsize=(8.0, 4.2), dpi=150, layout="constrained")
     axes = figure.subplots()
     pfa = AcquisitionConfig().pfa
-    for signal, colour in (("B1I", "C0"), ("B1CP", "C3")):
+    for signal, colour in (("B1I", "C0"), ("B1CP", "C3"), ("L1CA", "C2")):
         grid = default_grid(signal)
         mine = [p for p in points if p.signal == signal]
         fine = np.linspace(mine[0].cn0_dbhz - 1, mine[-1].cn0_dbhz + 1, 200)

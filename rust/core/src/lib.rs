@@ -12,6 +12,7 @@ pub mod acquire;
 pub mod correlator_level;
 pub mod dsp;
 pub mod error;
+pub mod fec;
 pub mod nav_math;
 pub mod nco;
 pub mod sample;

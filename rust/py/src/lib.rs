@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 
 mod acquire;
 mod bench;
+mod fec;
 mod fixes;
 mod navigation;
 mod signals;
@@ -25,6 +26,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     track::register(m)?;
     simulate::register(m)?;
     bench::register(m)?;
+    fec::register(m)?;
     navigation::register(m)?;
     fixes::register(m)?;
     // Load numpy's C interface here, where an error can be raised: loaded on first use, it would

@@ -1,6 +1,9 @@
 //! IF synthesis.
 
+use std::sync::Arc;
+
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use sdr_spoof_core::sample::SampleFormat;
 use sdr_spoof_core::{signal, synth};
@@ -9,6 +12,47 @@ use crate::to_py;
 
 type Knots = Vec<(f64, f64)>;
 
+/// A range through knots: cubic Hermite, shared by the emitters that take it.
+#[pyclass(frozen, module = "sdr_spoof._core")]
+struct Spline(Arc<synth::Spline>);
+
+#[pymethods]
+impl Spline {
+    #[new]
+    fn new(
+        time_s: PyReadonlyArray1<'_, f64>,
+        value: PyReadonlyArray1<'_, f64>,
+        rate: PyReadonlyArray1<'_, f64>,
+    ) -> PyResult<Self> {
+        let (t, x, v) = (time_s.as_array(), value.as_array(), rate.as_array());
+        if t.len() != x.len() || t.len() != v.len() {
+            let text = "a spline needs as many values and rates as times";
+            return Err(PyValueError::new_err(text));
+        }
+        let knots = t.iter().zip(x).zip(v).map(|((&t, &x), &v)| (t, x, v));
+        let spline = synth::Spline::new(knots.collect()).map_err(to_py)?;
+        Ok(Spline(Arc::new(spline)))
+    }
+
+    /// Values at times in seconds.
+    fn value<'py>(
+        &self,
+        py: Python<'py>,
+        time_s: PyReadonlyArray1<'py, f64>,
+    ) -> Bound<'py, PyArray1<f64>> {
+        map(py, &time_s, |t| self.0.value(t))
+    }
+
+    /// Rates of change at times in seconds.
+    fn rate<'py>(
+        &self,
+        py: Python<'py>,
+        time_s: PyReadonlyArray1<'py, f64>,
+    ) -> Bound<'py, PyArray1<f64>> {
+        map(py, &time_s, |t| self.0.rate(t))
+    }
+}
+
 /// A signal component of one transmitter; a spoofer is more emitters.
 #[pyclass(frozen, module = "sdr_spoof._core")]
 pub(crate) struct Emitter(pub(crate) synth::Emitter);
@@ -16,19 +60,22 @@ pub(crate) struct Emitter(pub(crate) synth::Emitter);
 #[pymethods]
 impl Emitter {
     #[new]
-    #[pyo3(signature = (signal, prn, cn0_dbhz, *, delay_s=0.0, phase_cycles=0.0, doppler_hz=0.0,
-        doppler_rate_hz_s=0.0, data_seed=None, data_delay_s=0.0, data_error_rate=0.0, power_db=vec![],
+    #[pyo3(signature = (signal, prn, cn0_dbhz, *, range_m=None, delay_s=0.0, phase_cycles=0.0, doppler_hz=0.0,
+        doppler_rate_hz_s=0.0, data_seed=None, symbols=None, first_symbol=0, data_delay_s=0.0, data_error_rate=0.0, power_db=vec![],
         code_offset_m=vec![], carrier_offset_hz=vec![], start_s=f64::NEG_INFINITY, end_s=f64::INFINITY))]
     #[allow(clippy::too_many_arguments)] // keyword arguments in Python
     fn new(
         signal: &str,
         prn: u16,
         cn0_dbhz: f64,
+        range_m: Option<PyRef<'_, Spline>>,
         delay_s: f64,
         phase_cycles: f64,
         doppler_hz: f64,
         doppler_rate_hz_s: f64,
         data_seed: Option<u64>,
+        symbols: Option<PyReadonlyArray1<'_, i8>>,
+        first_symbol: i64,
         data_delay_s: f64,
         data_error_rate: f64,
         power_db: Knots,
@@ -39,11 +86,12 @@ impl Emitter {
     ) -> PyResult<Self> {
         let profile = |knots| synth::Profile::new(knots).map_err(to_py);
         Ok(Emitter(synth::Emitter {
+            range_m: range_m.map(|r| r.0.clone()),
             delay_s,
             phase_cycles,
             doppler_hz,
             doppler_rate_hz_s,
-            data_seed,
+            data: data(data_seed, symbols.as_ref(), first_symbol)?,
             data_delay_s,
             data_error_rate,
             power_db: profile(power_db)?,
@@ -121,6 +169,25 @@ impl Emitter {
             .map(|&i| self.0.data_symbol(i))
             .collect();
         symbols.into_pyarray(py)
+    }
+}
+
+/// Data symbols of a seed or given ones.
+fn data(
+    seed: Option<u64>,
+    symbols: Option<&PyReadonlyArray1<'_, i8>>,
+    first_index: i64,
+) -> PyResult<synth::Data> {
+    match (seed, symbols) {
+        (Some(_), Some(_)) => Err(PyValueError::new_err(
+            "data_seed and symbols say the same; give one of them",
+        )),
+        (Some(seed), None) => Ok(synth::Data::Seeded(seed)),
+        (None, None) => Ok(synth::Data::None),
+        (None, Some(symbols)) => Ok(synth::Data::Given {
+            first_index,
+            symbols: symbols.as_array().iter().copied().collect(),
+        }),
     }
 }
 
@@ -204,6 +271,7 @@ pub(crate) fn filter(
 }
 
 pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
+    m.add_class::<Spline>()?;
     m.add_class::<Emitter>()?;
     m.add_class::<Synthesizer>()?;
     Ok(())

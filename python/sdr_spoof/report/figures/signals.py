@@ -12,7 +12,7 @@ from sdr_spoof.records import Acquisition, SignalTrack, State, TrackLog
 from sdr_spoof.report.figures import style
 from sdr_spoof.report.figures.satellite import SAMPLED_EPOCHS
 from sdr_spoof.report.words import satellite_name
-from sdr_spoof.verdict import system_of
+from sdr_spoof.signals import system_of
 
 
 def draw_acquisition(acquisitions: Sequence[Acquisition]) -> str:

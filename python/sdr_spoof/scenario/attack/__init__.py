@@ -11,6 +11,7 @@ from .base import Attack, Emission, Target, Victims
 from .induced import InducedAttack
 from .meaconing import Meaconing
 from .multipath import Multipath, Ray
+from .position import Position
 
 
 def _kind(value: Any) -> str:
@@ -24,7 +25,8 @@ AnyAttack = Annotated[
     Annotated[InducedAttack, Tag("induced")]
     | Annotated[Meaconing, Tag("meaconing")]
     | Annotated[Asynchronous, Tag("asynchronous")]
-    | Annotated[Multipath, Tag("multipath")],
+    | Annotated[Multipath, Tag("multipath")]
+    | Annotated[Position, Tag("position")],
     Discriminator(_kind),
 ]
 """An element of ``[[attack]]``, told by its ``kind``."""
@@ -37,6 +39,7 @@ __all__ = [
     "InducedAttack",
     "Meaconing",
     "Multipath",
+    "Position",
     "Ray",
     "Target",
     "Victims",

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 from sdr_spoof.scenario.base import REFERENCE_HZ, SPEED_OF_LIGHT, NonNegative
 from sdr_spoof.scenario.satellite import Satellite, range_rate
 
-from .base import Attack, Emission, Target, Victims, check_end
+from .base import Emission, OnAir, Target, Victims
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -20,7 +20,7 @@ _RANDOM_DELAY_MS = (60.0, 90.0)
 _RANDOM_DOPPLER_HZ = (-4000.0, 4000.0)
 
 
-class Asynchronous(Attack):
+class Asynchronous(OnAir):
     """Signals in the name of some satellites, at any delay, Doppler and power, with other data.
 
     The satellites need not be in the scenario. Carriers and codes of one of them are coherent.
@@ -34,8 +34,6 @@ class Asynchronous(Attack):
     )
     system: str = Field("C", description="RINEX system letter")
     signals: tuple[str, ...] = Field(min_length=1, description="signals, e.g. B1C")
-    start_s: NonNegative = Field(description="on the air from here")
-    end_s: NonNegative | None = Field(None, description="off the air from here (default: the end)")
     cn0_dbhz: float = Field(
         55.0, description="C/N0 of each signal (of all its components together)"
     )
@@ -64,7 +62,6 @@ class Asynchronous(Attack):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        check_end(self.start_s, self.end_s)
         range_rate(self.range_rate_m_s, 0.0 if self.doppler_hz == "random" else self.doppler_hz)
         if self.cn0_start_dbhz is not None and not self.power_ramp_s:
             raise ValueError("cn0_start_dbhz needs power_ramp_s, the time of the rise")
@@ -81,10 +78,6 @@ class Asynchronous(Attack):
         """Any satellite can be imitated."""
         del satellites
         self.check_starts(duration_s)
-
-    def starts(self) -> dict[str, float]:
-        """Time of its coming on the air."""
-        return {"start_s": self.start_s}
 
     def emissions(self, target: Target, draw: Draw) -> list[Emission]:
         """The counterfeit satellite's component as it is."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 from pydantic import BaseModel, Field, model_validator
 
 from sdr_spoof import _core
-from sdr_spoof.scenario.base import FROZEN
+from sdr_spoof.scenario.base import FROZEN, NonNegative
 from sdr_spoof.scenario.satellite import Satellite, check_signals
 
 if TYPE_CHECKING:
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from sdr_spoof.scenario.draw import Draw
     from sdr_spoof.scenario.knots import Knots
+    from sdr_spoof.scenario.motion import Motion
     from sdr_spoof.signals import SignalSpec
 
 
@@ -49,6 +50,8 @@ class Emission:
     """At 0 s, before the carrier offset."""
     data_delay_s: float = 0.0
     data_error_rate: float = 0.0
+    motion: Motion | None = None
+    """Instead of the target's own."""
 
 
 Victims = list[tuple[Satellite, tuple[str, ...]]]
@@ -66,9 +69,11 @@ class Attack(BaseModel):
     hostile: ClassVar[bool] = True
     """False for what nature does."""
 
-    prns: tuple[int, ...] = Field((), description="satellites; prn = N does for one")
-    system: str | None = Field(None, description="RINEX system letter")
-    signals: tuple[str, ...] = Field((), description="signals, e.g. B1C")
+    prns: tuple[int, ...] = Field((), description="satellites; prn = N does for one (default: all)")
+    system: str | None = Field(
+        None, description="RINEX system letter (default: all systems, or C where prns are given)"
+    )
+    signals: tuple[str, ...] = Field((), description="signals (default: all of each satellite)")
 
     @model_validator(mode="before")
     @classmethod
@@ -146,6 +151,22 @@ class Attack(BaseModel):
         if not self.prns:
             return self.system in (None, satellite.system)
         return satellite.prn in self.prns and satellite.system == (self.system or "C")
+
+
+class OnAir(Attack):
+    """Base of those that come on the air once, and may go."""
+
+    start_s: NonNegative = Field(description="on the air from here")
+    end_s: NonNegative | None = Field(None, description="off the air from here (default: the end)")
+
+    @model_validator(mode="after")
+    def _ends_after_its_start(self) -> Self:
+        check_end(self.start_s, self.end_s)
+        return self
+
+    def starts(self) -> dict[str, float]:
+        """Time of its coming on the air."""
+        return {"start_s": self.start_s}
 
 
 def check_end(start_s: float, end_s: float | None) -> None:

@@ -15,7 +15,7 @@ from pydantic import Field, model_validator
 
 from sdr_spoof.scenario.base import NonNegative, Phase
 
-from .base import Attack, Emission, Target, check_end
+from .base import Emission, OnAir, Target
 from .induced_profiles import (
     capture_time_s,
     carrier_offset_hz,
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from sdr_spoof.scenario.satellite import Satellite
 
 
-class InducedAttack(Attack):
+class InducedAttack(OnAir):
     """Induced capture of signals of some satellites.
 
     From ``start_s`` the spoofer's replica approaches the authentic code for ``approach_s`` at the
@@ -47,8 +47,6 @@ class InducedAttack(Attack):
     )
     system: str = Field("C", description="RINEX system letter")
     signals: tuple[str, ...] = Field(min_length=1, description="attacked signals, e.g. B1C")
-    start_s: NonNegative = Field(description="on the air from here")
-    end_s: NonNegative | None = Field(None, description="off the air from here (default: the end)")
     approach_offset_m: float = Field(0.0, description="code offset at start_s")
     approach_s: NonNegative = Field(0.0, description="time to bring the code offset to zero")
     power_start_db: float = Field(-20.0, description="power against the authentic, at first")
@@ -124,7 +122,6 @@ class InducedAttack(Attack):
 
     @model_validator(mode="after")
     def _times_are_in_order(self) -> Self:
-        check_end(self.start_s, self.end_s)
         if self.approach_offset_m and not self.approach_s:
             raise ValueError("approach_offset_m needs approach_s, the time of the approach")
         start_s, end_s = self.drag_start_s, self.drag_end_s
@@ -188,10 +185,6 @@ class InducedAttack(Attack):
                 f"data_known_s {self.data_known_s:g} must be after start_s {self.start_s:g}"
             )
         return self
-
-    def starts(self) -> dict[str, float]:
-        """Time of its coming on the air."""
-        return {"start_s": self.start_s}
 
     def emissions(self, target: Target, draw: Draw) -> list[Emission]:
         """One emitter; two, one after the other, where guessed data become known."""

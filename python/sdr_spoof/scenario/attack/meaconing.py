@@ -10,14 +10,14 @@ from pydantic import Field, model_validator
 from sdr_spoof.scenario.base import SPEED_OF_LIGHT, NonNegative
 from sdr_spoof.scenario.knots import Knots, integrated
 
-from .base import Attack, Emission, Target, check_end
+from .base import Emission, OnAir, Target
 
 if TYPE_CHECKING:
     from sdr_spoof.scenario.draw import Draw
     from sdr_spoof.scenario.satellite import Satellite
 
 
-class Meaconing(Attack):
+class Meaconing(OnAir):
     """Re-transmission of all signals, or of those named, with one delay and one gain.
 
     The repeater's own noise is not modelled, nor that of what it receives.
@@ -26,13 +26,6 @@ class Meaconing(Attack):
     role: ClassVar[str] = "meacon"
 
     kind: Literal["meaconing"] = Field("meaconing", description="kind of attack")
-    prns: tuple[int, ...] = Field((), description="satellites; prn = N does for one (default: all)")
-    system: str | None = Field(
-        None, description="RINEX system letter (default: all systems, or C where prns are given)"
-    )
-    signals: tuple[str, ...] = Field((), description="signals (default: all of each satellite)")
-    start_s: NonNegative = Field(description="on the air from here")
-    end_s: NonNegative | None = Field(None, description="off the air from here (default: the end)")
     delay_m: NonNegative = Field(description="delay against the direct signal, in metres of light")
     gain_db: float = Field(3.0, description="power against the direct signal")
     gain_start_db: float | None = Field(
@@ -56,7 +49,6 @@ class Meaconing(Attack):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        check_end(self.start_s, self.end_s)
         if self.gain_start_db is not None and not self.gain_ramp_s:
             raise ValueError("gain_start_db needs gain_ramp_s, the time of the rise")
         if self.gain_ramp_s and self.gain_start_db is None:
@@ -74,10 +66,6 @@ class Meaconing(Attack):
     def growth_start_s(self) -> float:
         """When the delay begins to grow."""
         return self.start_s if self.delay_start_s is None else self.delay_start_s
-
-    def starts(self) -> dict[str, float]:
-        """Time of its coming on the air."""
-        return {"start_s": self.start_s}
 
     def emissions(self, target: Target, draw: Draw) -> list[Emission]:
         """The target's component, later."""

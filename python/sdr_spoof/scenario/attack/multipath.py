@@ -72,11 +72,6 @@ class Multipath(Attack):
     hostile: ClassVar[bool] = False
 
     kind: Literal["multipath"] = Field("multipath", description="no attack, but looks like one")
-    prns: tuple[int, ...] = Field((), description="satellites; prn = N does for one (default: all)")
-    system: str | None = Field(
-        None, description="RINEX system letter (default: all systems, or C where prns are given)"
-    )
-    signals: tuple[str, ...] = Field((), description="signals (default: all of each satellite)")
     ray: tuple[Ray, ...] = Field(min_length=1, description="reflections, [[attack.ray]]")
 
     def check(self, satellites: Sequence[Satellite], duration_s: float) -> None:

@@ -229,11 +229,12 @@ fn unit(cycles: f64) -> C64 {
 mod tests {
     use super::*;
     use crate::signal;
+    use crate::synth::Data;
 
     #[test]
     fn late_data_change_within_a_period() {
         let b1i = Emitter {
-            data_seed: Some(3),
+            data: Data::Seeded(3),
             data_delay_s: 0.007_3,
             ..Emitter::new(signal::find("B1I").unwrap(), 27, 45.0)
         };

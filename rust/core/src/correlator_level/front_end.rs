@@ -38,9 +38,35 @@ impl FrontEnd {
         }
     }
 
+    #[cfg(test)]
+    pub fn unlimited() -> Self {
+        FrontEnd {
+            signal: None,
+            noise: None,
+        }
+    }
+
     /// A received chip behind the filter.
     pub fn signal(&self, pulse: Pulse) -> Pulse {
         through(pulse, self.signal.as_deref())
+    }
+
+    /// Power gain at so many frequencies beside the carrier, `step_hz` apart, of which a chip has the
+    /// given rate.
+    pub fn gains(&self, chip_rate_hz: f64, first_hz: f64, step_hz: f64, count: usize) -> Vec<f64> {
+        let Some(response) = &self.signal else {
+            return vec![1.0; count];
+        };
+        let mut sums = vec![C64::default(); count];
+        for (delay, weight) in response {
+            let turn = |hz: f64| C64::from_polar(1.0, -TAU * hz * delay / chip_rate_hz);
+            let (mut phasor, step) = (weight * turn(first_hz), turn(step_hz));
+            for sum in &mut sums {
+                *sum += phasor;
+                phasor *= step;
+            }
+        }
+        sums.iter().map(C64::norm_sqr).collect()
     }
 
     /// What correlates the noise of two replicas `pulse` apart.

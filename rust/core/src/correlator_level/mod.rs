@@ -6,7 +6,7 @@
 //! the sign of secondary code and data; and noise, correlated between taps. The loops are those
 //! of [`crate::track`] and see no difference ([`crate::track::source`]).
 //!
-//! Other codes than the satellite's own count as noise (`others`). Left out: the sampling of the
+//! Other signals than the satellite's own count as noise, by their spectra (`others`). Left out: the sampling of the
 //! code, the quantiser, the carrier's turn between a tap and the prompt, and the correlation of a
 //! tap's noise with that of another tap in the next slice.
 
@@ -16,6 +16,7 @@ mod lags;
 mod noise;
 mod others;
 mod pulse;
+mod separation;
 mod simulated;
 mod simulator;
 

@@ -10,7 +10,11 @@ const BATCH: usize = 128;
 
 /// Noise of one sideband: a pure function of its key and the number of the slice.
 pub(super) struct TapNoise {
-    taps: usize,
+    outer: Vec<bool>,
+    /// Noise of each tap over that of an inner one.
+    gains: Vec<f64>,
+    /// Power of an outer tap over an inner one's, beyond the covariance.
+    outer_power: f64,
     /// Lower triangle, column by column; its product with its adjoint is the covariance.
     factor: Vec<C64>,
     stream: Noise,
@@ -29,13 +33,16 @@ pub(super) fn key(seed: u64, system: char, prn: u16, signal: &str) -> u64 {
 }
 
 impl TapNoise {
-    /// Taps of the given covariance (row by row) and one more prompt, the companion's, of unit
-    /// variance and independent of them.
-    pub fn new(key: u64, taps: usize, covariance: &[C64]) -> Self {
+    /// Taps, some of them outer ones, of the given covariance (row by row) and one more prompt, the
+    /// companion's, of unit variance and independent of them.
+    pub fn new(key: u64, outer: Vec<bool>, covariance: &[C64]) -> Self {
+        let taps = outer.len();
         let stride = (2 * (taps + 1)).next_power_of_two();
         assert!(stride <= BATCH / 4, "{taps} taps are too many");
         TapNoise {
-            taps,
+            gains: vec![1.0; taps],
+            outer,
+            outer_power: 1.0,
             factor: cholesky(taps, covariance),
             stream: Noise::new(key, 0),
             loops: Loops::new(Level::best()),
@@ -45,10 +52,13 @@ impl TapNoise {
         }
     }
 
-    /// Adds the noise of the next slice, of so much power at unit variance; gives that of the
-    /// companion.
+    /// Adds the noise of the next slice, of so much power at unit variance, and `outer_power` times
+    /// that in outer taps; gives that of the companion.
     #[inline]
-    pub fn add(&mut self, power: f64, taps: &mut [C64]) -> C64 {
+    pub fn add(&mut self, power: f64, outer_power: f64, taps: &mut [C64]) -> C64 {
+        if outer_power != self.outer_power {
+            self.set_outer(outer_power);
+        }
         let at = (self.slice as usize * self.stride) % BATCH;
         if at == 0 {
             let first = self.slice as i64 * self.stride as i64;
@@ -61,16 +71,24 @@ impl TapNoise {
             C64::new(f64::from(re) * scale, f64::from(im) * scale)
         };
         let mut column = self.factor.as_slice();
-        for i in 0..self.taps {
-            let (weights, after) = column.split_at(self.taps - i);
+        for i in 0..self.gains.len() {
+            let gains = &self.gains[i..];
+            let (weights, after) = column.split_at(gains.len());
             column = after;
             let here = normal(i);
             let turned = C64::new(-here.im, here.re);
-            for (tap, weight) in taps[i..].iter_mut().zip(weights) {
-                *tap += here * weight.re + turned * weight.im;
+            for ((tap, weight), gain) in taps[i..].iter_mut().zip(weights).zip(gains) {
+                *tap += (here * weight.re + turned * weight.im) * gain;
             }
         }
-        normal(self.taps)
+        normal(self.gains.len())
+    }
+
+    fn set_outer(&mut self, power: f64) {
+        for (gain, _) in self.gains.iter_mut().zip(&self.outer).filter(|g| *g.1) {
+            *gain = power.sqrt();
+        }
+        self.outer_power = power;
     }
 }
 
@@ -108,15 +126,22 @@ mod tests {
         let c = C64::new(0.3, 0.2);
         let one = C64::from(1.0);
         let covariance = [one, c, one, c.conj(), one, c.conj(), one, c, one];
-        let mut noise = TapNoise::new(key(5, 'C', 20, "B1I"), 3, &covariance);
+        // The last tap is an outer one, with twice the power.
+        let gain = |k: usize| if k == 2 { 2f64.sqrt() } else { 1.0 };
+        let mut noise = TapNoise::new(
+            key(5, 'C', 20, "B1I"),
+            vec![false, false, true],
+            &covariance,
+        );
         let n = 200_000;
         let mut seen = [C64::default(); 9];
         let mut companion_power = 0.0;
         for _ in 0..n {
             let mut taps = [C64::default(); 3];
-            let companion = noise.add(4.0, &mut taps);
+            let companion = noise.add(4.0, 2.0, &mut taps);
             for (k, sum) in seen.iter_mut().enumerate() {
-                *sum += taps[k / 3] * taps[k % 3].conj() / (4.0 * f64::from(n));
+                let product = taps[k / 3] * taps[k % 3].conj() / (gain(k / 3) * gain(k % 3));
+                *sum += product / (4.0 * f64::from(n));
             }
             companion_power += companion.norm_sqr() / (4.0 * f64::from(n));
         }
@@ -131,7 +156,7 @@ mod tests {
     fn streams_of_signals_and_seeds_differ() {
         let first = |key| {
             let mut taps = [C64::default()];
-            TapNoise::new(key, 1, &[C64::from(1.0)]).add(1.0, &mut taps);
+            TapNoise::new(key, vec![false], &[C64::from(1.0)]).add(1.0, 1.0, &mut taps);
             taps[0].re
         };
         let mut seen: Vec<f64> = [

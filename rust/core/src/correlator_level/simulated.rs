@@ -3,7 +3,7 @@
 use super::emission::{Arrival, Emission, Span};
 use super::lags::CodeLags;
 use super::noise::{key, TapNoise};
-use super::others::{noise_share, OtherCodes};
+use super::others::{disturbance, plus, Disturbance, OtherCodes};
 use super::pulse::Pulse;
 use super::{FrontEnd, Setting};
 use crate::acquire::replica::search_rate_hz;
@@ -57,7 +57,7 @@ pub(crate) struct Simulated {
     companion: Option<(Heard, Pulse)>,
     others: OtherCodes,
     /// Noise power of the signal's own code far off, at 1 Hz of C/N0.
-    own_noise_share: f64,
+    own_noise_share: Disturbance,
     noise: TapNoise,
     slice: Slice,
 }
@@ -113,6 +113,8 @@ impl Simulated {
         };
         let places: Vec<Place> = marked.map(place).collect();
         let covariance = covariance(&front, modulation, &places, &main.lags);
+        let outer_layer = main_layer(modulation);
+        let replicas = [modulation.layers(), &outer_layer];
         let heard = |layers| front.signal(Pulse::new(layers, spec.modulation.layers()));
         Ok(Simulated {
             clock: Clock::new(0.0),
@@ -125,13 +127,13 @@ impl Simulated {
             slices: spec.code_length / chips_per_slice(spec),
             index: 0,
             latest: taps.offsets.iter().copied().max().unwrap_or(0).max(0) as u64,
-            others: OtherCodes::new(&front, spec, prn, modulation.layers(), emitters),
-            own_noise_share: noise_share(&front, modulation.layers(), spec),
+            others: OtherCodes::new(&front, spec, prn, replicas, emitters),
+            own_noise_share: disturbance(&front, spec, replicas, spec),
             inner: heard(modulation.layers()),
-            outer: heard(&main_layer(modulation)),
+            outer: heard(&outer_layer),
             noise: TapNoise::new(
                 key(setting.seed, spec.system, prn, spec.id),
-                places.len(),
+                places.iter().map(|p| p.outer).collect(),
                 &covariance,
             ),
             slice: Slice {
@@ -164,12 +166,13 @@ impl Simulated {
         (slice.index, slice.start, slice.samples) = (self.index, self.clock.base(), samples);
         slice.taps.fill(C64::default());
         slice.companion = C64::default();
-        let mut other_codes = self.others.noise(span.time_s[0]);
-        other_codes += self.hear_main(&span, length);
+        let other_codes = self.others.noise(span.time_s[0]);
+        let other_codes = self.hear_main(&span, length, other_codes);
         self.hear_companion(&span, length);
         let slice = &mut self.slice;
-        let power = self.noise_power * length * (1.0 + other_codes);
-        let companion = self.noise.add(power, &mut slice.taps);
+        let [inner, outer] = other_codes.map(|o| 1.0 + o);
+        let power = self.noise_power * length * inner;
+        let companion = self.noise.add(power, outer / inner, &mut slice.taps);
         if self.companion.is_some() {
             slice.companion += companion;
         }
@@ -190,15 +193,14 @@ impl Simulated {
         }
     }
 
-    /// Gives the power of what is as good as another code, over that of the noise.
-    fn hear_main(&mut self, span: &Span, length: f64) -> f64 {
-        let mut other_codes = 0.0;
+    /// Adds the power of what is as good as another code to that of other codes.
+    fn hear_main(&mut self, span: &Span, length: f64, mut other_codes: Disturbance) -> Disturbance {
         let lags = |lag| self.main.lags.slice(self.index, lag);
         for emission in &mut self.main.emissions {
             let arrival = match emission.arrival(span, REACH) {
                 Arrival::Silent => continue,
                 Arrival::Far(power_hz) => {
-                    other_codes += power_hz * self.own_noise_share;
+                    other_codes = plus(other_codes, self.own_noise_share, power_hz);
                     continue;
                 }
                 Arrival::Near(near) => near,

@@ -1,5 +1,7 @@
 //! Signal components that move as one.
 
+use std::sync::Arc;
+
 use super::emitter::Emitter;
 use super::wave::unit_vector;
 use crate::nco::phase_from_cycles;
@@ -86,9 +88,18 @@ fn move_as_one(a: &Emitter, b: &Emitter) -> bool {
         (signal, motion, [e.start_s, e.end_s])
     };
     numbers(a) == numbers(b)
+        && share_range(a, b)
         && a.power_db == b.power_db
         && a.code_offset_m == b.code_offset_m
         && a.carrier_offset_hz == b.carrier_offset_hz
+}
+
+fn share_range(a: &Emitter, b: &Emitter) -> bool {
+    match (&a.range_m, &b.range_m) {
+        (Some(a), Some(b)) => Arc::ptr_eq(a, b) || a == b,
+        (None, None) => true,
+        _ => false,
+    }
 }
 
 impl Component {

@@ -5,6 +5,7 @@
 //! only.
 
 mod composite;
+mod data;
 mod emitter;
 pub(crate) mod filter;
 mod motion;
@@ -14,15 +15,18 @@ mod profile;
 mod quantile;
 pub(crate) mod random;
 pub(crate) mod render;
+mod spline;
 pub(crate) mod wave;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
+pub use data::Data;
 pub use emitter::{Emitter, SPEED_OF_LIGHT};
 pub use filter::Filter;
 pub use profile::Profile;
+pub use spline::{Knot, Spline};
 
 use crate::nco::step_from_frequency;
 use crate::sample::SampleFormat;

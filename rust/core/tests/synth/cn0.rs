@@ -1,7 +1,7 @@
 //! C/N0 of the output, measured by correlation.
 
 use num_complex::Complex64;
-use sdr_spoof_core::synth::{Emitter, Filter, SynthConfig, Synthesizer};
+use sdr_spoof_core::synth::{Data, Emitter, Filter, SynthConfig, Synthesizer};
 
 use crate::reference::{config, emitter, samples, Reference};
 
@@ -43,7 +43,7 @@ fn check(config: &SynthConfig, signal: &str, prn: u16, loss_db: f64) {
     let e = Emitter {
         delay_s: 0.07,
         doppler_hz: 987.0,
-        data_seed: Some(1),
+        data: Data::Seeded(1),
         ..emitter(signal, prn, CN0_DBHZ)
     };
     let seen = measure(config, &e, 401, 40_000);

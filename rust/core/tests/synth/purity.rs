@@ -1,7 +1,7 @@
 //! The output is a pure function of the sample index.
 
 use sdr_spoof_core::simd::Level;
-use sdr_spoof_core::synth::{Emitter, Filter, Profile, SynthConfig, Synthesizer};
+use sdr_spoof_core::synth::{Data, Emitter, Filter, Profile, SynthConfig, Synthesizer};
 
 use crate::reference::{config, emitter};
 
@@ -12,7 +12,7 @@ fn scene() -> Vec<Emitter> {
         emitters.push(Emitter {
             delay_s: 0.0712,
             doppler_hz: 1234.5,
-            data_seed: Some(3),
+            data: Data::Seeded(3),
             power_db: ramp.clone(),
             start_s: 0.0003,
             ..emitter(signal, prn, 55.0)

@@ -1,7 +1,11 @@
 //! Noise-free output, sample by sample, against the formula.
 
 use num_complex::Complex64;
-use sdr_spoof_core::synth::{Emitter, Profile, SynthConfig, Synthesizer};
+use std::sync::Arc;
+
+use sdr_spoof_core::synth::{
+    Data, Emitter, Profile, Spline, SynthConfig, Synthesizer, SPEED_OF_LIGHT,
+};
 
 use crate::reference::{amplitude, config, emitter, samples, Reference};
 
@@ -68,7 +72,7 @@ fn moving(signal: &str, prn: u16) -> Emitter {
         phase_cycles: 0.3,
         doppler_hz: -1723.4,
         doppler_rate_hz_s: 0.7,
-        data_seed: Some(9),
+        data: Data::Seeded(9),
         ..emitter(signal, prn, 50.0)
     }
 }
@@ -146,6 +150,70 @@ fn so_many_symbols_are_wrong() {
     }
 }
 
+/// A range that grows by 612 m/s and swings by 5 m, and given symbols, of which few are known.
+fn with_range(signal: &str, prn: u16) -> Emitter {
+    let range = |t: f64| 2.3456e7 + 612.0 * t + 5.0 * (2.0 * t).sin();
+    let rate = |t: f64| 612.0 + 10.0 * (2.0 * t).cos();
+    let times = (-2..2000).map(|k| f64::from(k) * 0.01);
+    let knots = times.map(|t| (t, range(t), rate(t))).collect();
+    let symbols: Vec<i8> = (0..900).map(|k| 1 - 2 * (k * k / 7 % 2) as i8).collect();
+    Emitter {
+        range_m: Some(Arc::new(Spline::new(knots).unwrap())),
+        delay_s: -17.5,
+        doppler_hz: 0.0,
+        doppler_rate_hz_s: 0.0,
+        data: Data::Given {
+            first_index: 100,
+            symbols: symbols.into(),
+        },
+        ..moving(signal, prn)
+    }
+}
+
+#[test]
+fn ranges_and_given_symbols() {
+    for (signal, prn) in [("B1I", 19), ("B1I", 3), ("B1CD", 27), ("B1CP", 40)] {
+        let e = with_range(signal, prn);
+        compare(&config("cf32", 25e6, 1568.259e6), &e, 12_345, 1_000_000);
+        compare(&config("rf32", 60e6, 1550e6), &e, 600_001, 500_000);
+        let offsets = Emitter {
+            code_offset_m: Profile::new(vec![(0.0, 0.0), (0.1, 20.0)]).unwrap(),
+            carrier_offset_hz: Profile::new(vec![(0.0, 3.0)]).unwrap(),
+            doppler_hz: -312.5,
+            data_delay_s: 0.0034,
+            data_error_rate: 0.3,
+            ..e
+        };
+        compare(
+            &config("cf32", 25e6, 1568.259e6),
+            &offsets,
+            12_345,
+            1_000_000,
+        );
+    }
+}
+
+/// Phase, delay and Doppler of a range, from their definitions.
+#[test]
+fn a_range_is_delay_phase_and_doppler() {
+    let e = with_range("B1CP", 40);
+    let (chip_rate, carrier) = (e.signal.chip_rate_hz, e.signal.carrier_hz);
+    for k in 0..900 {
+        let t = f64::from(k) * 0.02123;
+        // Large numbers in integers of a cycle: 2.3456e7 m are so many cycles and a rest.
+        let whole = (2.3456e7 / SPEED_OF_LIGHT * carrier).floor();
+        let moved = 612.0 * t + 5.0 * (2.0 * t).sin();
+        let rest = 2.3456e7 * carrier / SPEED_OF_LIGHT - whole + moved * carrier / SPEED_OF_LIGHT;
+        let phase = e.received_phase_cycles(t) - e.phase_cycles + whole + rest;
+        assert!(phase.abs() < 1e-5, "{t}: {phase}");
+        let delay = (2.3456e7 + moved) / SPEED_OF_LIGHT - 17.5;
+        let chips = e.code_phase_chips(t) - chip_rate * (t - delay);
+        assert!(chips.abs() < 1e-6, "{t}: {chips}");
+        let doppler = -carrier / SPEED_OF_LIGHT * (612.0 + 10.0 * (2.0 * t).cos());
+        assert!((e.carrier_doppler_hz(t) - doppler).abs() < 1e-4, "{t}");
+    }
+}
+
 #[test]
 fn profiles_of_power_code_and_carrier() {
     let profile = |knots: &[(f64, f64)]| Profile::new(knots.to_vec()).unwrap();
@@ -203,17 +271,17 @@ fn emitters_add_up() {
 #[test]
 fn components_that_move_as_one_add_up() {
     let config = config("cf32", 50e6, 1568.259e6);
-    let motion = |signal: &str, data_seed| Emitter {
-        data_seed,
+    let motion = |signal: &str, data| Emitter {
+        data,
         power_db: Profile::new(vec![(0.0, -3.0), (0.02, 3.0)]).unwrap(),
         start_s: 0.000_7,
         end_s: 0.019,
         ..moving(signal, 27)
     };
     let all = vec![
-        motion("B1CD", Some(9)),
-        motion("B1CP", None),
-        motion("L1CA", Some(2)),
+        motion("B1CD", Data::Seeded(9)),
+        motion("B1CP", Data::None),
+        motion("L1CA", Data::Seeded(2)),
     ];
     let make = |e: Vec<Emitter>| {
         let synth = Synthesizer::new(config.clone(), e).unwrap();

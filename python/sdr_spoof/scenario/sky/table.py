@@ -1,0 +1,133 @@
+"""What the table ``[sky]`` of a scenario says, checked."""
+
+from __future__ import annotations
+
+import re
+from datetime import UTC, datetime
+from typing import Any, Literal, Self
+
+from pydantic import BaseModel, Field, field_validator, model_validator
+
+from sdr_spoof.nav.time import GnssTime
+from sdr_spoof.scenario.base import FROZEN
+from sdr_spoof.signals import components, signal_spec
+
+from .clock import ReceiverClock
+from .receiver import AnyReceiver
+
+SYSTEMS = {"C": "BDT", "G": "GPS"}
+"""Systems of which there are orbits, and the names of their times."""
+_WEEK = re.compile(r"(GPS|GPST|BDT)\s+(\d+)\s+([\d.]+)")
+
+
+class SatelliteOverride(BaseModel):
+    """One of ``[[sky.satellite]]``: what is different about one satellite."""
+
+    model_config = FROZEN
+
+    prn: int = Field(description="PRN")
+    system: str = Field("C", description="RINEX system letter")
+    cn0_dbhz: float | None = Field(None, description="C/N0 of each signal, at any elevation")
+    signals: tuple[str, ...] | None = Field(None, description="its signals")
+    on_air: bool = Field(True, description="false: it is left out")
+
+
+class SkyTable(BaseModel):
+    """Time, place, satellites and propagation: table ``[sky]``."""
+
+    model_config = FROZEN
+
+    start: str = Field(
+        description="time of the first sample: a date in UTC (2023-03-12T12:00:00), or week and "
+        "seconds of week: 'BDT 897 43204' or 'GPS 2253 43218'"
+    )
+    receiver: AnyReceiver = Field(description="where the antenna is")
+    navigation: str | None = Field(
+        None,
+        description="RINEX navigation file, path from the folder of the scenario file (default: "
+        "one of 2023-03-12, 10 to 14 h, that comes with the package)",
+    )
+    systems: tuple[Literal["C", "G"], ...] = Field(
+        ("C", "G"), min_length=1, description="RINEX system letters"
+    )
+    signals: tuple[str, ...] = Field(
+        ("B1I", "B1C", "L1CA"),
+        min_length=1,
+        description="signals; each satellite has those that it sends",
+    )
+    elevation_mask_deg: float = Field(
+        5.0, ge=0, lt=90, description="satellites are on the air above it"
+    )
+    cn0_zenith_dbhz: float = Field(45.0, description="C/N0 of each signal in the zenith")
+    cn0_horizon_dbhz: float | None = Field(
+        None,
+        description="C/N0 at the horizon; in between in proportion to the sine of the elevation "
+        "(default: that of the zenith)",
+    )
+    ionosphere: Literal["none", "klobuchar", "bdgim"] = Field(
+        "none",
+        description="delay of codes, advance of carriers: none; klobuchar (for each system in the "
+        "form of its own message); bdgim",
+    )
+    klobuchar_alpha: tuple[float, float, float, float] | None = Field(
+        None, description="instead of those of the navigation file"
+    )
+    klobuchar_beta: tuple[float, float, float, float] | None = Field(
+        None, description="instead of those of the navigation file"
+    )
+    bdgim_tecu: tuple[float, float, float, float, float, float, float, float, float] | None = Field(
+        None, description="parameters of bdgim, instead of those of the navigation file"
+    )
+    troposphere: Literal["none", "saastamoinen"] = Field(
+        "none", description="delay of the air, of a standard atmosphere"
+    )
+    bdt_offset_ns: float = Field(0.0, description="BDT less GPST, beyond the whole seconds")
+    messages: bool = Field(
+        True, description="false: pseudo-random symbols instead of navigation messages"
+    )
+    clock: ReceiverClock = Field(ReceiverClock.model_validate({}), description="receiver's clock")
+    satellite: tuple[SatelliteOverride, ...] = Field((), description="what differs")
+
+    @field_validator("start", mode="before")
+    @classmethod
+    def _as_text(cls, value: Any) -> Any:
+        return value.isoformat() if isinstance(value, datetime) else value
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if len(set(self.systems)) < len(self.systems):
+            raise ValueError("systems names one twice")
+        names = [component for signal in self.signals for component in components(signal)]
+        if len(set(names)) < len(names):
+            raise ValueError("signals names a signal twice")
+        strange = [n for n in names if signal_spec(n).system not in self.systems]
+        if strange and {"signals", "systems"} <= self.model_fields_set:
+            raise ValueError(f"signals: {strange[0]} belongs to none of the systems")
+        if (self.klobuchar_alpha is None) != (self.klobuchar_beta is None):
+            raise ValueError("klobuchar_alpha and klobuchar_beta belong together; give both")
+        places = [(s.system, s.prn) for s in self.satellite]
+        if len(set(places)) < len(places):
+            raise ValueError("satellite: one is named twice")
+        _ = self.start_time
+        return self
+
+    @property
+    def start_time(self) -> GnssTime:
+        """Time of the first sample, by a right clock."""
+        week = _WEEK.fullmatch(self.start.strip())
+        if week:
+            system = "C" if week[1] == "BDT" else "G"
+            return GnssTime.of_week(int(week[2]), float(week[3]), system)
+        try:
+            date = datetime.fromisoformat(self.start)
+        except ValueError as error:
+            raise ValueError(
+                f"start: '{self.start}' is neither a date such as 2023-03-12T12:00:00 nor week "
+                "and seconds such as 'BDT 897 43204'"
+            ) from error
+        return GnssTime.of_utc(date.astimezone(UTC) if date.tzinfo else date)
+
+    def override(self, system: str, prn: int) -> SatelliteOverride:
+        """What differs for a satellite."""
+        found = (s for s in self.satellite if (s.system, s.prn) == (system, prn))
+        return next(found, SatelliteOverride(prn=prn, system=system))
