@@ -58,6 +58,27 @@ def test_errors_are_as_the_covariance_says(systems: str) -> None:
     assert abs(fixes.square_sum.mean() / fixes.freedom[0] - (1.0 if systems == "C" else 0.6)) < 0.4
 
 
+def test_what_signals_of_a_satellite_have_in_common_counts_once() -> None:
+    """Errors of the atmosphere's model: the same for both signals, larger near the horizon."""
+    count, sigma, zenith = 400, 0.2, 1.0
+    sky = Sky("C", {"C": ("B1I", "B1CP")}, epochs=count, interval_s=0.02, sigma_m=sigma)
+    observations = sky.observe()
+    config = exact(
+        weights="elevation", code_sigma_m=sigma, zenith_sigma_m=zenith, raim_exclusions=0
+    )
+    look = pvt.solve(observations, navigation(), config).elevation_deg[:, ::2]
+    random = np.random.default_rng(21)
+    common = zenith / np.sin(np.radians(look)) * random.standard_normal(look.shape)
+    ranges = observations.pseudorange_m + np.repeat(common, 2, axis=1)
+    noisy = dataclasses.replace(observations, pseudorange_m=ranges)
+    fixes = pvt.solve(noisy, navigation(), config)
+    error = fixes.position_m - PLACE
+    square = np.einsum("ei,eij,ej->e", error, np.linalg.inv(fixes.covariance_m2), error)
+    assert square.mean() == pytest.approx(3.0, abs=4 * np.sqrt(6.0 / count))
+    freedom = fixes.freedom[0]
+    assert fixes.square_sum.mean() == pytest.approx(freedom, abs=4 * np.sqrt(2 * freedom / count))
+
+
 def test_offset_between_systems_and_signals_is_recovered() -> None:
     signals = {"C": ("B1I", "B1CP"), "G": ("L1CA",)}
     sky = Sky("CG", signals, epochs=2, offsets_m={"G": -52.5, "B1CP": 7.25})
