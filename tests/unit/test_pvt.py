@@ -16,6 +16,7 @@ from sdr_spoof.nav.rinex_nav import read_navigation
 from sdr_spoof.nav.time import GnssTime
 from sdr_spoof.observations import SUBCARRIER, Observations, ObservedSignal
 from sdr_spoof.pvt import PvtConfig
+from sdr_spoof.pvt.ranges import averaged
 
 KLOBUCHAR = Klobuchar((2e-8, 1e-8, -1e-7, 0.0), (1e5, 1e5, -1e5, 0.0), "C")
 
@@ -147,6 +148,23 @@ def test_smoothing_takes_noise_out_and_leaves_motion_in() -> None:
     noise = [np.std((f.position_m - truth)[100:]) for f in (rough, smooth)]
     # White noise averaged with a memory of n epochs falls by the square root of 2 n.
     assert noise[1] < noise[0] / 5
+    # What is assumed of it is the mean of n: between one and two times too much at last.
+    assumed = np.sqrt(np.trace(smooth.covariance_m2[-1]) / np.trace(rough.covariance_m2[-1]))
+    assert assumed == pytest.approx(1 / np.sqrt(50), rel=1e-3)
+    assert smooth.covariance_m2[0] == pytest.approx(rough.covariance_m2[0])
+
+
+def test_smoothing_begins_anew_after_a_slip() -> None:
+    observations = Sky(epochs=60).observe()
+    phase = observations.carrier_phase_cycles.copy()
+    phase[30:, 1] += 1000.0
+    lost = observations.lock_lost.copy()
+    lost[30, 1] = True
+    slipped = dataclasses.replace(observations, carrier_phase_cycles=phase, lock_lost=lost)
+    config = exact(smoothing_s=20.0)
+    fixes = pvt.solve(slipped, navigation(), config)
+    assert errors(fixes).max() < 1e-4
+    assert averaged(slipped, 20.0)[[0, 19, 29, 30, 45], 1].tolist() == [1, 20, 20, 1, 16]
 
 
 def test_subcarrier_ranges_sharpen_the_fix_whatever_their_common_step() -> None:
