@@ -11,6 +11,7 @@ RECORDING = {
     "lo_hz": 1568.259e6,
     "sample_format": "ci8",
 }
+VACUUM = {"ionosphere": "none", "troposphere": "none"}
 CIRCLE = PLACE | {"kind": "circle", "radius_m": 91.8, "speed_m_s": 30.0}
 
 
@@ -21,7 +22,7 @@ def sky(
     **table: Any,
 ) -> Scenario:
     """A scenario of satellites on their orbits."""
-    given = {"start": "2023-03-12T12:00:00", "receiver": receiver or PLACE} | table
+    given = {"start": "2023-03-12T12:00:00", "receiver": receiver or PLACE} | VACUUM | table
     return Scenario.model_validate(
         {
             "recording": RECORDING | (recording or {}),

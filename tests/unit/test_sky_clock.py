@@ -57,7 +57,7 @@ def test_all_ranges_share_it() -> None:
 
 
 def test_own_parameters_replace_the_usual_ones() -> None:
-    assert ReceiverClock(oscillator="OCXO", h_1=0.0).allan == (8e-20, 0.0, 4e-23)
+    assert ReceiverClock(oscillator="OCXO", h_1=0.0).allan == (2e-25, 0.0, 6e-25)
     with pytest.raises(ValueError, match="half a second"):
         ReceiverClock(offset_us=6e5)
     with pytest.raises(ValueError, match="100 ppm"):

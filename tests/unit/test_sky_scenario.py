@@ -79,6 +79,20 @@ def test_tracks_follow_the_ranges_at_the_level_of_correlators() -> None:
         assert abs(off_hz.mean()) < 0.5
 
 
+def test_turns_of_one_g_are_tracked() -> None:
+    """The first turn of sky-moving, by a TCXO."""
+    made = builtin_scenario("sky-moving").sped_up(3)
+    sent = {(t.prn, t.signal): t.emitter for t in transmissions(made)}
+    for t in simulate(made).signals:
+        at_s = np.asarray(t.time_s)
+        settled = (np.asarray(t.state) >= State.SYNCED) & (at_s > 4.0)
+        assert State.LOST not in np.asarray(t.state)
+        received = sent[t.prn, t.signal].received_phase_cycles(at_s[settled])
+        off = np.asarray(t.carrier_phase_cycles)[settled] + received
+        # A slip of half a cycle would be 0.5.
+        assert np.ptp(off) < 0.25, (t.signal, t.prn)
+
+
 @pytest.mark.parametrize(("signal", "prn"), [("B1I", 30), ("B1I", 1), ("L1CA", 25)])
 def test_symbols_are_messages_of_the_orbit(signal: str, prn: int) -> None:
     made = sky(

@@ -2,8 +2,9 @@
 
 The fractional frequency has the power density h0 + h-1 / f + h-2 / f^2 (one-sided), and the clock
 then the Allan variance h0 / (2 tau) + 2 ln 2 h-1 + (2 pi^2 / 3) h-2 tau (IEEE Std 1139-2008, annex
-B). The values of a TCXO and an OCXO are those of R. G. Brown and P. Y. C. Hwang, "Introduction to
-Random Signals and Applied Kalman Filtering", 3rd edition, table 10.2.
+B). The values of oscillators are those of R. G. Brown and P. Y. C. Hwang, "Introduction to Random
+Signals and Applied Kalman Filtering", 4th edition, section 9.3: a TCXO of high quality, one of low
+quality, whose noise is too much for a carrier loop of 10 Hz, and an OCXO.
 """
 
 from __future__ import annotations
@@ -28,8 +29,9 @@ FIRST_S = -2.0
 
 ALLAN = {
     "ideal": (0.0, 0.0, 0.0),
-    "TCXO": (2e-19, 7e-21, 2e-20),
-    "OCXO": (8e-20, 2e-21, 4e-23),
+    "TCXO": (2e-21, 1e-22, 2e-20),
+    "poor-TCXO": (2e-19, 7e-21, 2e-20),
+    "OCXO": (2e-25, 7e-25, 6e-25),
 }
 """h0 in s, h-1, h-2 in 1/s."""
 
@@ -45,8 +47,8 @@ class ReceiverClock(BaseModel):
 
     offset_us: float = Field(0.0, description="clock less system time at 0 s")
     drift_ppb: float = Field(0.0, description="constant frequency error, ns/s; positive: fast")
-    oscillator: Literal["ideal", "TCXO", "OCXO"] = Field(
-        "ideal", description="noise: of a typical TCXO or OCXO, or none"
+    oscillator: Literal["ideal", "TCXO", "poor-TCXO", "OCXO"] = Field(
+        "ideal", description="noise: of a good or a poor TCXO, of an OCXO, or none"
     )
     h0: NonNegative | None = Field(None, description="white frequency noise, instead, in s")
     h_1: NonNegative | None = Field(None, description="flicker frequency noise, instead")

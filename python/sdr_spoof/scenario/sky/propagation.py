@@ -52,10 +52,12 @@ class Propagation:
         Raises:
             ValueError: a model is wanted of which there are no parameters.
         """
-        found = [i for i in navigation.ionosphere if isinstance(i, Klobuchar)]
+        none = table.ionosphere == "none"
+        found = [i for i in navigation.ionosphere if isinstance(i, Klobuchar) and not none]
         if table.klobuchar_alpha and table.klobuchar_beta:
             found = [Klobuchar(table.klobuchar_alpha, table.klobuchar_beta, "G")]
-        bdgim = next((i for i in navigation.ionosphere if isinstance(i, Bdgim)), None)
+        found_bdgim = (i for i in navigation.ionosphere if isinstance(i, Bdgim) and not none)
+        bdgim = next(found_bdgim, None)
         if table.bdgim_tecu:
             bdgim = Bdgim(table.bdgim_tecu)
         if table.ionosphere == "klobuchar" and not found:

@@ -65,7 +65,7 @@ class SkyTable(BaseModel):
         "(default: that of the zenith)",
     )
     ionosphere: Literal["none", "klobuchar", "bdgim"] = Field(
-        "none",
+        "klobuchar",
         description="delay of codes, advance of carriers: none; klobuchar (for each system in the "
         "form of its own message); bdgim",
     )
@@ -79,7 +79,7 @@ class SkyTable(BaseModel):
         None, description="parameters of bdgim, instead of those of the navigation file"
     )
     troposphere: Literal["none", "saastamoinen"] = Field(
-        "none", description="delay of the air, of a standard atmosphere"
+        "saastamoinen", description="delay of the air, of a standard atmosphere"
     )
     bdt_offset_ns: float = Field(0.0, description="BDT less GPST, beyond the whole seconds")
     messages: bool = Field(
