@@ -62,7 +62,7 @@ def test_errors_are_as_the_covariance_says(systems: str) -> None:
 def test_what_signals_of_a_satellite_have_in_common_counts_once() -> None:
     """Errors of the atmosphere's model: the same for both signals, larger near the horizon."""
     count, sigma, zenith = 400, 0.2, 1.0
-    sky = Sky("C", {"C": ("B1I", "B1CP")}, epochs=count, interval_s=0.02, sigma_m=sigma)
+    sky = Sky("C", {"C": ("B1I", "B1CP")}, epochs=count, interval_s=0.02)
     observations = sky.observe()
     config = exact(
         weights="elevation", code_sigma_m=sigma, zenith_sigma_m=zenith, raim_exclusions=0
@@ -71,6 +71,9 @@ def test_what_signals_of_a_satellite_have_in_common_counts_once() -> None:
     random = np.random.default_rng(21)
     common = zenith / np.sin(np.radians(look)) * random.standard_normal(look.shape)
     ranges = observations.pseudorange_m + np.repeat(common, 2, axis=1)
+    # B1C is taken for half as noisy as B1I.
+    own = random.standard_normal((*look.shape, 2)) * [sigma, 0.5 * sigma]
+    ranges += own.reshape(ranges.shape)
     noisy = dataclasses.replace(observations, pseudorange_m=ranges)
     fixes = pvt.solve(noisy, navigation(), config)
     error = fixes.position_m - PLACE

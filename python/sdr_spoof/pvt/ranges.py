@@ -20,8 +20,10 @@ if TYPE_CHECKING:
 
 LIGHT_M_S = 299_792_458.0
 REFERENCE_DBHZ = 45.0
-HALF_RATE_HZ = 1.1e6
-"""Codes of a chip rate below, without a subcarrier, are twice as noisy as B1I's."""
+SLOW_HZ = 1.1e6
+SLOW_NOISE, BOC_NOISE = 2.0, 0.5
+"""Noise against B1I's of codes of lower chip rates and of those with a subcarrier. The default
+loops give 0.38 m (B1I), 0.8 m (L1CA) and 0.19 m (B1CP) at 45 dB-Hz."""
 CODE_MEMORY_S = 0.5
 """Half the reciprocal of the code loop's noise bandwidth, 1 Hz."""
 BEAT_SIGNALS = ("B1I", "B1CP")
@@ -181,8 +183,9 @@ def _sigma_m(signal: str, config: PvtConfig) -> float:
     if signal == SUBCARRIER:
         return config.subcarrier_sigma_m
     spec = signal_spec(signal)
-    slow = spec.chip_rate_hz < HALF_RATE_HZ and "BOC" not in spec.modulation.upper()
-    return config.code_sigma_m * (2.0 if slow else 1.0)
+    if "BOC" in spec.modulation.upper():
+        return config.code_sigma_m * BOC_NOISE
+    return config.code_sigma_m * (SLOW_NOISE if spec.chip_rate_hz < SLOW_HZ else 1.0)
 
 
 def rates_m_s(observations: Observations) -> NDArray[np.float64]:
