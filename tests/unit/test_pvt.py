@@ -16,6 +16,7 @@ from sdr_spoof.nav.rinex_nav import read_navigation
 from sdr_spoof.nav.time import GnssTime
 from sdr_spoof.observations import SUBCARRIER, Observations, ObservedSignal
 from sdr_spoof.pvt import PvtConfig
+from sdr_spoof.pvt.ranges import averaged
 
 KLOBUCHAR = Klobuchar((2e-8, 1e-8, -1e-7, 0.0), (1e5, 1e5, -1e5, 0.0), "C")
 
@@ -56,6 +57,30 @@ def test_errors_are_as_the_covariance_says(systems: str) -> None:
         fixes.covariance_m2[0].diagonal().max() / count
     )
     assert abs(fixes.square_sum.mean() / fixes.freedom[0] - (1.0 if systems == "C" else 0.6)) < 0.4
+
+
+def test_what_signals_of_a_satellite_have_in_common_counts_once() -> None:
+    """Errors of the atmosphere's model: the same for both signals, larger near the horizon."""
+    count, sigma, zenith = 400, 0.2, 1.0
+    sky = Sky("C", {"C": ("B1I", "B1CP")}, epochs=count, interval_s=0.02)
+    observations = sky.observe()
+    config = exact(
+        weights="elevation", code_sigma_m=sigma, zenith_sigma_m=zenith, raim_exclusions=0
+    )
+    look = pvt.solve(observations, navigation(), config).elevation_deg[:, ::2]
+    random = np.random.default_rng(21)
+    common = zenith / np.sin(np.radians(look)) * random.standard_normal(look.shape)
+    ranges = observations.pseudorange_m + np.repeat(common, 2, axis=1)
+    # B1C is taken for half as noisy as B1I.
+    own = random.standard_normal((*look.shape, 2)) * [sigma, 0.5 * sigma]
+    ranges += own.reshape(ranges.shape)
+    noisy = dataclasses.replace(observations, pseudorange_m=ranges)
+    fixes = pvt.solve(noisy, navigation(), config)
+    error = fixes.position_m - PLACE
+    square = np.einsum("ei,eij,ej->e", error, np.linalg.inv(fixes.covariance_m2), error)
+    assert square.mean() == pytest.approx(3.0, abs=4 * np.sqrt(6.0 / count))
+    freedom = fixes.freedom[0]
+    assert fixes.square_sum.mean() == pytest.approx(freedom, abs=4 * np.sqrt(2 * freedom / count))
 
 
 def test_offset_between_systems_and_signals_is_recovered() -> None:
@@ -126,6 +151,23 @@ def test_smoothing_takes_noise_out_and_leaves_motion_in() -> None:
     noise = [np.std((f.position_m - truth)[100:]) for f in (rough, smooth)]
     # White noise averaged with a memory of n epochs falls by the square root of 2 n.
     assert noise[1] < noise[0] / 5
+    # What is assumed of it is the mean of n: between one and two times too much at last.
+    assumed = np.sqrt(np.trace(smooth.covariance_m2[-1]) / np.trace(rough.covariance_m2[-1]))
+    assert assumed == pytest.approx(1 / np.sqrt(50), rel=1e-3)
+    assert smooth.covariance_m2[0] == pytest.approx(rough.covariance_m2[0])
+
+
+def test_smoothing_begins_anew_after_a_slip() -> None:
+    observations = Sky(epochs=60).observe()
+    phase = observations.carrier_phase_cycles.copy()
+    phase[30:, 1] += 1000.0
+    lost = observations.lock_lost.copy()
+    lost[30, 1] = True
+    slipped = dataclasses.replace(observations, carrier_phase_cycles=phase, lock_lost=lost)
+    config = exact(smoothing_s=20.0)
+    fixes = pvt.solve(slipped, navigation(), config)
+    assert errors(fixes).max() < 1e-4
+    assert averaged(slipped, 20.0)[[0, 19, 29, 30, 45], 1].tolist() == [1, 20, 20, 1, 16]
 
 
 def test_subcarrier_ranges_sharpen_the_fix_whatever_their_common_step() -> None:

@@ -31,9 +31,10 @@ class PvtConfig(BaseModel):
         "cn0-elevation", description="What the assumed noise of a pseudorange depends on."
     )
     code_sigma_m: float = Field(
-        0.3,
+        0.4,
         gt=0.0,
-        description="Noise of a B1I or B1C pseudorange at 45 dB-Hz, in m; twice that for L1CA.",
+        description="Noise of a B1I pseudorange at 45 dB-Hz, in m; twice that for L1CA, half of it "
+        "for B1C.",
     )
     subcarrier_sigma_m: float = Field(
         0.03, gt=0.0, description="Noise of a subcarrier range at 45 dB-Hz, in m."

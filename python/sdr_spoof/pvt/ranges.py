@@ -20,8 +20,12 @@ if TYPE_CHECKING:
 
 LIGHT_M_S = 299_792_458.0
 REFERENCE_DBHZ = 45.0
-HALF_RATE_HZ = 1.1e6
-"""Codes of a chip rate below, without a subcarrier, are twice as noisy as B1I's."""
+SLOW_HZ = 1.1e6
+SLOW_NOISE, BOC_NOISE = 2.0, 0.5
+"""Noise against B1I's of codes of lower chip rates and of those with a subcarrier. The default
+loops give 0.38 m (B1I), 0.8 m (L1CA) and 0.19 m (B1CP) at 45 dB-Hz."""
+CODE_MEMORY_S = 0.5
+"""Half the reciprocal of the code loop's noise bandwidth, 1 Hz."""
 BEAT_SIGNALS = ("B1I", "B1CP")
 
 
@@ -54,22 +58,51 @@ def smoothed(
     observations: Observations, ranges: NDArray[np.float64], constant_s: float
 ) -> NDArray[np.float64]:
     """Codes smoothed by their carriers where those are unbroken."""
-    interval = float(np.median(np.diff(observations.time_s))) if observations.epochs > 1 else 1.0
-    gaps = np.diff(observations.time_s, prepend=observations.time_s[:1]) > 1.5 * interval
+    memory = _memory(observations, constant_s)
+    broken = _broken(observations)
     result = ranges.copy()
     for column, signal in enumerate(observations.signals):
-        if signal.signal == SUBCARRIER:
-            continue
-        wavelength = LIGHT_M_S / signal_spec(signal.signal).carrier_hz
-        half = observations.half_cycle[:, column]
-        broken = observations.lock_lost[:, column] | gaps | np.diff(half, prepend=half[:1])
-        result[:, column] = _core.smooth_code(
-            np.ascontiguousarray(ranges[:, column]),
-            np.ascontiguousarray(observations.carrier_phase_cycles[:, column] * wavelength),
-            broken,
-            max(1, round(constant_s / interval)),
-        )
+        if signal.signal != SUBCARRIER:
+            wavelength = LIGHT_M_S / signal_spec(signal.signal).carrier_hz
+            carrier_m = observations.carrier_phase_cycles[:, column] * wavelength
+            result[:, column] = _core.smooth_code(
+                np.ascontiguousarray(ranges[:, column]),
+                np.ascontiguousarray(carrier_m),
+                np.ascontiguousarray(broken[:, column]),
+                memory,
+            )
     return result
+
+
+def averaged(observations: Observations, constant_s: float) -> NDArray[np.float64]:
+    """Independent codes that a smoothed one is the mean of (E, S), at least.
+
+    The noise of a code loop changes within :data:`CODE_MEMORY_S`; codes nearer to one another do
+    not count in full.
+    """
+    beat = np.array([s.signal == SUBCARRIER for s in observations.signals])
+    gone = ~np.isfinite(observations.pseudorange_m + observations.carrier_phase_cycles)
+    since = np.arange(observations.epochs)[:, None]
+    begin = np.maximum.accumulate(np.where(_broken(observations) | gone, since, 0), axis=0)
+    count = np.minimum(since - begin, _memory(observations, constant_s) - 1)
+    share = min(1.0, _interval_s(observations) / CODE_MEMORY_S)
+    return np.where(beat | gone, 1.0, 1.0 + count * share)
+
+
+def _interval_s(observations: Observations) -> float:
+    return float(np.median(np.diff(observations.time_s))) if observations.epochs > 1 else 1.0
+
+
+def _memory(observations: Observations, constant_s: float) -> int:
+    """Epochs that the mean reaches back."""
+    return max(1, round(constant_s / _interval_s(observations)))
+
+
+def _broken(observations: Observations) -> NDArray[np.bool_]:
+    """Where the carrier may not be the continuation of the epoch before (E, S)."""
+    times, half = observations.time_s, observations.half_cycle
+    gaps = np.diff(times, prepend=times[:1]) > 1.5 * _interval_s(observations)
+    return observations.lock_lost | gaps[:, None] | np.diff(half, axis=0, prepend=half[:1])
 
 
 def with_common_steps(
@@ -129,7 +162,10 @@ def _unbroken(difference: NDArray[np.float64], step: float) -> list[NDArray[np.i
 def variance_m2(observations: Observations, config: PvtConfig) -> NDArray[np.float64]:
     """Assumed variance of each pseudorange (E, S), but for what grows towards the horizon."""
     sigma = np.array([_sigma_m(s.signal, config) for s in observations.signals])
-    return np.ascontiguousarray(sigma**2 * _by_cn0(observations, config))
+    variance = sigma**2 * _by_cn0(observations, config)
+    if config.smoothing_s:
+        variance /= averaged(observations, config.smoothing_s)
+    return np.ascontiguousarray(variance)
 
 
 def rate_variance(observations: Observations, config: PvtConfig) -> NDArray[np.float64]:
@@ -147,8 +183,9 @@ def _sigma_m(signal: str, config: PvtConfig) -> float:
     if signal == SUBCARRIER:
         return config.subcarrier_sigma_m
     spec = signal_spec(signal)
-    slow = spec.chip_rate_hz < HALF_RATE_HZ and "BOC" not in spec.modulation.upper()
-    return config.code_sigma_m * (2.0 if slow else 1.0)
+    if "BOC" in spec.modulation.upper():
+        return config.code_sigma_m * BOC_NOISE
+    return config.code_sigma_m * (SLOW_NOISE if spec.chip_rate_hz < SLOW_HZ else 1.0)
 
 
 def rates_m_s(observations: Observations) -> NDArray[np.float64]:

@@ -148,7 +148,8 @@ def _core_phases(
     layout: Layout,
     chosen: Sequence[int],
 ) -> list[tuple[int, int, int, float, int, float, float, float]]:
-    whole = ranges.ranges_m(observations, choice, config.model_copy(update={"smoothing_s": 0.0}))
+    config = config.model_copy(update={"smoothing_s": 0.0})
+    whole = ranges.ranges_m(observations, choice, config)
     variance = ranges.variance_m2(observations, config)
     return [
         (

@@ -1,6 +1,6 @@
 //! Dilution of precision: how geometry turns range errors of 1 m into errors of the solution.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, Vector3};
 
 use super::geodesy::{enu, WGS84};
 use super::least_squares::inverse_normal;
@@ -33,8 +33,7 @@ impl Dop {
     /// Of a design whose columns are position, `systems` clocks and biases, every measurement
     /// weighed alike.
     pub fn of(design: &DMatrix<f64>, systems: usize, place: Vector3<f64>) -> Self {
-        let equal = DVector::from_element(design.nrows(), 1.0);
-        let Some(shape) = inverse_normal(design, &equal) else {
+        let Some(shape) = inverse_normal(design) else {
             return Self::NONE;
         };
         let local = enu(WGS84.geodetic(place));

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use super::measurement::{geometry, near_ground, Correction, Measurement, Settings};
+use super::measurement::{covariance, geometry, near_ground, Correction, Measurement, Settings};
 use super::SPEED_OF_LIGHT_M_S;
 
 const MOST_STEPS: usize = 20;
@@ -86,20 +86,17 @@ pub struct Solution {
     pub satellites: Vec<usize>,
     /// Measured minus modelled, m.
     pub residuals: DVector<f64>,
-    /// 1 / variance.
-    pub weights: DVector<f64>,
     /// Derivatives of the measurements by the unknowns.
     pub design: DMatrix<f64>,
+    /// Residuals and design, made uncorrelated and of unit variance; those of different satellites
+    /// are not mixed.
+    pub white: (DVector<f64>, DMatrix<f64>),
 }
 
 impl Solution {
     /// Weighted sum of squared residuals: chi-square with `freedom` degrees under H0.
     pub fn square_sum(&self) -> f64 {
-        self.residuals
-            .iter()
-            .zip(&self.weights)
-            .map(|(r, w)| r * r * w)
-            .sum()
+        self.white.0.norm_squared()
     }
 
     /// Measurements beyond the unknowns.
@@ -202,20 +199,18 @@ impl<'a> Model<'a> {
     fn converge(&self, start: Vector3<f64>) -> Result<Solution, Failure> {
         let mut values = DVector::zeros(self.unknowns.count());
         values.fixed_rows_mut::<3>(0).copy_from(&start);
-        let weights = DVector::from_iterator(
-            self.used.len(),
-            self.used.iter().map(|(_, c)| 1.0 / c.variance),
-        );
+        let noise = Whitener::of(&self.used).ok_or(Failure::Geometry)?;
         for _ in 0..MOST_STEPS {
             let (design, residuals) = self.linearised(&values);
-            let covariance = inverse_normal(&design, &weights).ok_or(Failure::Geometry)?;
-            let step = &covariance * design.tr_mul(&weights.component_mul(&residuals));
+            let design = noise.matrix(&design);
+            let covariance = inverse_normal(&design).ok_or(Failure::Geometry)?;
+            let step = &covariance * design.tr_mul(&noise.vector(&residuals));
             values += &step;
             if !values.iter().all(|v| v.is_finite()) {
                 return Err(Failure::Divergence);
             }
             if step.fixed_rows::<3>(0).norm() < CONVERGED_M {
-                return Ok(self.solution(values, covariance, weights));
+                return Ok(self.solution(values, covariance, &noise));
             }
         }
         Err(Failure::Divergence)
@@ -225,7 +220,7 @@ impl<'a> Model<'a> {
         &self,
         values: DVector<f64>,
         covariance: DMatrix<f64>,
-        weights: DVector<f64>,
+        noise: &Whitener,
     ) -> Solution {
         let (design, residuals) = self.linearised(&values);
         Solution {
@@ -235,8 +230,8 @@ impl<'a> Model<'a> {
             covariance,
             columns: self.used.iter().map(|(m, _)| m.column).collect(),
             satellites: self.used.iter().map(|(m, _)| m.satellite).collect(),
+            white: (noise.vector(&residuals), noise.matrix(&design)),
             residuals,
-            weights,
             design,
         }
     }
@@ -244,8 +239,7 @@ impl<'a> Model<'a> {
 
 impl Solution {
     fn sound(self, settings: &Settings) -> Result<Self, Failure> {
-        let equal = DVector::from_element(self.design.nrows(), 1.0);
-        let shape = inverse_normal(&self.design, &equal).ok_or(Failure::Geometry)?;
+        let shape = inverse_normal(&self.design).ok_or(Failure::Geometry)?;
         let pdop = (0..3).map(|i| shape[(i, i)]).sum::<f64>().sqrt();
         // Written so that a NaN fails.
         if pdop <= settings.max_pdop {
@@ -256,11 +250,32 @@ impl Solution {
     }
 }
 
-/// (H' W H)^-1, or `None` where it is singular.
-pub fn inverse_normal(design: &DMatrix<f64>, weights: &DVector<f64>) -> Option<DMatrix<f64>> {
-    let mut weighted = design.clone();
-    for (mut row, weight) in weighted.row_iter_mut().zip(weights) {
-        row *= *weight;
+/// (H' H)^-1, or `None` where it is singular.
+pub fn inverse_normal(design: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    Some(design.tr_mul(design).cholesky()?.inverse())
+}
+
+/// Makes measurements uncorrelated and of unit variance: the inverse of a root of their covariance.
+#[derive(Debug)]
+pub struct Whitener(DMatrix<f64>);
+
+impl Whitener {
+    /// Of measurements with their corrections; `None` where a variance is none.
+    pub fn of(used: &[(&Measurement, Correction)]) -> Option<Self> {
+        Some(Self(covariance(used).cholesky()?.l()))
     }
-    Some(design.tr_mul(&weighted).cholesky()?.inverse())
+
+    /// Of what has a row for each measurement.
+    pub fn matrix(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
+        self.0
+            .solve_lower_triangular(rows)
+            .expect("positive diagonal")
+    }
+
+    /// Of a value for each measurement.
+    pub fn vector(&self, values: &DVector<f64>) -> DVector<f64> {
+        self.0
+            .solve_lower_triangular(values)
+            .expect("positive diagonal")
+    }
 }

@@ -1,6 +1,6 @@
 //! What is measured of a satellite, and what it should be at a place.
 
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 
 use super::geodesy::{azimuth_elevation, enu, Geodetic, WGS84};
 use super::ionosphere::{Ionosphere, Ray};
@@ -88,10 +88,25 @@ pub fn range_rate(state: &SatelliteState, receiver: Vector3<f64>, velocity: Vect
 pub struct Correction {
     /// Delay of the atmosphere, m.
     pub delay_m: f64,
-    /// Variance of the whole range, m^2.
-    pub variance: f64,
+    /// Standard deviation of what all signals of the satellite have in common, m.
+    pub common_m: f64,
     /// rad; a right angle where the receiver's place is not known yet.
     pub elevation: f64,
+}
+
+/// Covariance of the noise of pseudoranges, m^2: each its own, and for signals of one satellite
+/// what the models of the atmosphere leave.
+pub fn covariance(used: &[(&Measurement, Correction)]) -> DMatrix<f64> {
+    DMatrix::from_fn(used.len(), used.len(), |i, j| {
+        let ((a, first), (b, second)) = (&used[i], &used[j]);
+        let own = if i == j { a.variance } else { 0.0 };
+        let shared = a.satellite == b.satellite;
+        own + if shared {
+            first.common_m * second.common_m
+        } else {
+            0.0
+        }
+    })
 }
 
 impl Settings {
@@ -106,7 +121,7 @@ impl Settings {
             let elevation = std::f64::consts::FRAC_PI_2;
             return Correction {
                 delay_m: 0.0,
-                variance: m.variance,
+                common_m: 0.0,
                 elevation,
             };
         };
@@ -115,7 +130,7 @@ impl Settings {
         let csc = 1.0 / ray.elevation.max(0.05).sin();
         Correction {
             delay_m: self.atmosphere_m(m, &ray, gpst_s),
-            variance: m.variance + (self.zenith_sigma_m * csc).powi(2),
+            common_m: self.zenith_sigma_m * csc,
             elevation: ray.elevation,
         }
     }

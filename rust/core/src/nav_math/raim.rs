@@ -105,16 +105,13 @@ fn square_sum_without(solution: &Solution, satellite: usize) -> Option<f64> {
     let rows: Vec<usize> = (0..solution.satellites.len())
         .filter(|r| solution.satellites[*r] != satellite)
         .collect();
-    let design: DMatrix<f64> = solution.design.select_rows(&rows);
-    let residuals: DVector<f64> = solution.residuals.select_rows(&rows);
-    let weights: DVector<f64> = solution.weights.select_rows(&rows);
+    let residuals: DVector<f64> = solution.white.0.select_rows(&rows);
+    let design: DMatrix<f64> = solution.white.1.select_rows(&rows);
     // A system of one satellite loses its clock with it: that column is then empty.
     let columns: Vec<usize> = (0..design.ncols())
         .filter(|c| design.column(*c).amax() > 0.0)
         .collect();
     let design = design.select_columns(&columns);
-    let covariance = inverse_normal(&design, &weights)?;
-    let step = covariance * design.tr_mul(&weights.component_mul(&residuals));
-    let left = residuals - design * step;
-    Some(left.iter().zip(&weights).map(|(r, w)| r * r * w).sum())
+    let step = inverse_normal(&design)? * design.tr_mul(&residuals);
+    Some((residuals - design * step).norm_squared())
 }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::batch::Column;
 use super::fix::Status;
-use super::least_squares::{distinct, inverse_normal, Unknowns};
+use super::least_squares::{distinct, inverse_normal, Unknowns, Whitener};
 use super::measurement::{geometry, range_rate, Correction, Measurement, Settings};
 use super::orbit::Orbit;
 use super::search::{beginnings, Search, Trial};
@@ -77,7 +77,7 @@ struct Linear {
     columns: Vec<usize>,
     design: DMatrix<f64>,
     misses: DVector<f64>,
-    weights: DVector<f64>,
+    noise: Whitener,
 }
 
 impl Problem<'_> {
@@ -149,9 +149,9 @@ impl Problem<'_> {
     ) -> Option<Snapshot> {
         for _ in 0..MOST_STEPS {
             let linear = self.linear(&trial, search.reference_s, excluded)?;
-            let covariance = inverse_normal(&linear.design, &linear.weights)?;
-            let weighted = linear.weights.component_mul(&linear.misses);
-            let step = &covariance * linear.design.tr_mul(&weighted);
+            let design = linear.noise.matrix(&linear.design);
+            let covariance = inverse_normal(&design)?;
+            let step = &covariance * design.tr_mul(&linear.noise.vector(&linear.misses));
             trial.place += step.fixed_rows::<3>(0);
             trial.time_s += step[TIME];
             if !step.iter().all(|s| s.is_finite()) {
@@ -185,11 +185,7 @@ impl Problem<'_> {
             time_s: trial.time_s,
             covariance: covariance.fixed_view::<4, 4>(0, 0).into_owned(),
             residual_m,
-            square_sum: residuals
-                .iter()
-                .zip(&linear.weights)
-                .map(|(r, w)| r * r * w)
-                .sum(),
+            square_sum: linear.noise.vector(residuals).norm_squared(),
             freedom: linear.design.nrows() - linear.design.ncols(),
         }
     }
@@ -222,13 +218,13 @@ impl Problem<'_> {
         }
         let columns: Vec<usize> = measurements.iter().map(|m| m.column).collect();
         self.unwrap(&columns, &mut misses);
-        let weights = seen.iter().map(|(_, c)| 1.0 / c.variance);
-        let weights = DVector::from_iterator(seen.len(), weights);
+        let pairs: Vec<_> = seen.iter().map(|(m, c)| (m, *c)).collect();
+        let noise = Whitener::of(&pairs)?;
         Some(Linear {
             columns,
             design,
             misses,
-            weights,
+            noise,
         })
     }
 

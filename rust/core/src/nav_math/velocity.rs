@@ -66,17 +66,16 @@ impl Fit {
         if distinct(&satellites) < 4 {
             return None;
         }
-        let weights =
-            DVector::from_iterator(used.len(), used.iter().map(|m| 1.0 / m.rate_variance));
         let mut design = DMatrix::zeros(used.len(), 4);
         let mut values = DVector::zeros(used.len());
         for (row, m) in used.iter().enumerate() {
             let (slopes, still) = rate_model(m, place);
-            design.row_mut(row).copy_from(&slopes);
-            values[row] = m.rate_m_s - still;
+            let sigma = m.rate_variance.sqrt();
+            design.row_mut(row).copy_from(&(slopes / sigma));
+            values[row] = (m.rate_m_s - still) / sigma;
         }
-        let covariance = inverse_normal(&design, &weights)?;
-        let found = &covariance * design.tr_mul(&weights.component_mul(&values));
+        let covariance = inverse_normal(&design)?;
+        let found = &covariance * design.tr_mul(&values);
         let left = values - &design * &found;
         Some(Self {
             velocity: Velocity {
@@ -84,7 +83,7 @@ impl Fit {
                 drift_m_s: found[3],
                 covariance: covariance.fixed_view::<4, 4>(0, 0).into_owned(),
             },
-            square_sum: left.iter().zip(&weights).map(|(r, w)| r * r * w).sum(),
+            square_sum: left.norm_squared(),
             freedom: used.len() - 4,
         })
     }

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::super::measurement::{geometry, Correction, Measurement};
+use super::super::measurement::{covariance, geometry, Correction, Measurement};
 use super::super::velocity::rate_model;
 use super::super::SPEED_OF_LIGHT_M_S;
 use super::{satellites, Ekf, Running, CLOCK};
@@ -12,7 +12,7 @@ pub(super) struct Innovation {
     pub rows: Vec<(usize, usize)>,
     pub h: DMatrix<f64>,
     pub z: DVector<f64>,
-    pub r: DVector<f64>,
+    pub r: DMatrix<f64>,
 }
 
 impl Ekf<'_> {
@@ -33,9 +33,13 @@ impl Ekf<'_> {
         let mut found = Innovation {
             h: DMatrix::zeros(rows.len(), run.x.len()),
             z: DVector::zeros(rows.len()),
-            r: DVector::zeros(rows.len()),
+            r: DMatrix::zeros(rows.len(), rows.len()),
             rows,
         };
+        found
+            .r
+            .view_mut((0, 0), (used.len(), used.len()))
+            .copy_from(&covariance(used));
         let place = Vector3::new(run.x[0], run.x[1], run.x[2]);
         for row in 0..found.rows.len() {
             let (k, kind) = found.rows[row];
@@ -73,7 +77,6 @@ impl Ekf<'_> {
             modelled += run.x[column];
         }
         found.z[row] = m.range_m - modelled;
-        found.r[row] = correction.variance;
     }
 
     fn rate_row(
@@ -96,12 +99,12 @@ impl Ekf<'_> {
             .zip(&slopes)
             .for_each(|(c, s)| found.h[(row, *c)] = *s);
         found.z[row] = m.rate_m_s - still - moving;
-        found.r[row] = m.rate_variance;
+        found.r[(row, row)] = m.rate_variance;
     }
 
     fn square_sum(&self, run: &Running, used: &[(&Measurement, Correction)]) -> (f64, usize) {
         let found = self.innovation(run, used);
-        let s = &found.h * &run.p * found.h.transpose() + DMatrix::from_diagonal(&found.r);
+        let s = &found.h * &run.p * found.h.transpose() + &found.r;
         let sum = s
             .cholesky()
             .map_or(f64::INFINITY, |c| found.z.dot(&c.solve(&found.z)));
@@ -142,7 +145,6 @@ impl Ekf<'_> {
             return;
         }
         let Innovation { h, z, r, .. } = self.innovation(run, used);
-        let r = DMatrix::from_diagonal(&r);
         let s = &h * &run.p * h.transpose() + &r;
         let Some(inverse) = s.cholesky().map(|c| c.inverse()) else {
             return;
