@@ -196,7 +196,7 @@ def _reasons(fixes: Fixes) -> list[str]:
     """Why satellites were left out, and why there is no fix, in words."""
     left_out: dict[Cause, dict[str, None]] = {}
     for e in fixes.excluded:
-        if e.cause not in (Cause.LOW, Cause.NO_FIX):
+        if e.cause not in (Cause.LOW, Cause.NO_FIX, Cause.NOT_WANTED):
             left_out.setdefault(e.cause, {})[e.satellite] = None
     reasons = [f"{CAUSES[cause]}: {', '.join(names)}" for cause, names in left_out.items()]
     if fixes.epochs and not fixes.fixed.any():
