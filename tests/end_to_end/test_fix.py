@@ -112,7 +112,7 @@ def test_mistakes_are_told(written, result_file, tmp_path, capsys):
     assert "--force" in failing(capsys, "fix", result_file, "-o", folder)[1]
     code, message = failing(capsys, "fix", folder / "fixes.h5", *out)
     assert code == 1 and "holds no tracks" in message
-    for flags in (["--rate", "51"], ["--place", "95,0,0"], ["--time", "noon"]):
+    for flags in (["--rate", "51"], ["--place", "95,0,0"], ["--time", "noon"], ["--format", "gpx"]):
         code, message = failing(capsys, "fix", result_file, *out, *flags)
         assert code == 2 and flags[1].split(",")[0] in message
     code, message = failing(capsys, "fix", result_file, *out, "--nav", tmp_path / "none.rnx")

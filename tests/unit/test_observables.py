@@ -211,6 +211,19 @@ def test_a_slip_is_told_and_not_measured():
     assert lost.size == 2 and slip_s < lost[1] < slip_s + 0.2
 
 
+def test_a_loop_that_lags_is_no_slip():
+    """The discriminator shows 0.15 cycles for a while, and the measured phase goes on smoothly."""
+    satellite = Moving(signals=("B1I",), noise=1.0)
+    log = observed_log(satellite)
+    (track,) = log.signals
+    error = track.phase_error_cycles.copy()
+    error[1000:1020] += 0.15
+    lagging = replace(log, signals=(replace(track, phase_error_cycles=error),))
+    seen = observe(lagging, navigation(satellite), ObservablesConfig(rate_hz=10))
+    assert np.count_nonzero(seen.lock_lost) == 1
+    assert np.isfinite(seen.carrier_phase_cycles).all()
+
+
 def test_a_gap_breaks_the_run():
     satellite = Moving(lost=((9.6, 10.4),))
     seen = observe(observed_log(satellite), navigation(satellite))

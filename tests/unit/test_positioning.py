@@ -151,6 +151,19 @@ def test_hot_start_with_a_coarse_time(short_log, late_s):
     assert since_s == pytest.approx(found.route.sample_time_s[0], abs=1e-5)
 
 
+def test_half_a_second(short_log):
+    """No whole second lies in it: it says so, and more epochs a second give fixes."""
+    log = replace(
+        short_log, signals=tuple(t.between(1.1, 1.7) for t in short_log.signals), duration_s=1.7
+    )
+    found = locate(log, load_config(flags=HOT))
+    assert found.fixes.epochs == 0
+    assert any("1 Hz" in note for note in found.notes)
+    found = locate(log, load_config(flags=HOT | {"observables.rate_hz": "10"}))
+    error = errors_m(found)
+    assert len(error) >= 4 and np.hypot(*error[:, :2].T).max() < 5.0
+
+
 def test_time_from_the_recording(short_log):
     flags = {k: v for k, v in HOT.items() if k != "navigation.time"}
     found = locate(short_log, load_config(flags=flags), start=START)

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from sdr_spoof import config
-from sdr_spoof.errors import RecordingError
+from sdr_spoof.errors import ConfigError, RecordingError
 
 from . import options
 from .command import INTERRUPTED, Command, Outcome
@@ -34,10 +34,9 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--format",
         nargs="+",
-        choices=_formats(),
-        default=_formats(),
+        metavar="NAME",
         dest="formats",
-        help="files to write (default: all)",
+        help="files to write, such as rinex nmea geojson kml csv hdf5 (default: all)",
     )
     shorter = parser.add_argument_group("navigation, in short")
     for flag, name, metavar in (
@@ -54,8 +53,19 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     config.add_flags(parser, groups)
 
 
-def _formats() -> list[str]:
-    return ["rinex", "nmea", "geojson", "kml", "csv", "hdf5"]
+def _formats(arguments: argparse.Namespace) -> list[str]:
+    """Formats asked for.
+
+    Raises:
+        ConfigError: one is not known.
+    """
+    from sdr_spoof.positioning.formats import FORMATS  # noqa: PLC0415
+
+    asked = list(dict.fromkeys(arguments.formats or FORMATS))
+    for name in asked:
+        if name not in FORMATS:
+            raise ConfigError(f"--format: there is no '{name}'; known: {', '.join(FORMATS)}")
+    return asked
 
 
 def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
@@ -64,7 +74,8 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
     from sdr_spoof.positioning.formats import FORMATS, write_formats  # noqa: PLC0415
 
     settings = config.from_arguments(arguments)
-    names = [output.name for f in arguments.formats for output in FORMATS[f]]
+    chosen = _formats(arguments)
+    names = [output.name for f in chosen for output in FORMATS[f]]
     output_paths(arguments.output, names, force=arguments.force)
     with output_folder(arguments.output):
         log, result = _received(arguments, settings, ui)
@@ -77,7 +88,6 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
                 acquisitions=result.acquisitions,
             )
         result = replace(result, log=None, **found.records())
-        chosen = arguments.formats
         paths = write_formats(arguments.output, found, result, chosen, force=arguments.force)
     return _outcome(found, log, paths, settings)
 

@@ -102,6 +102,8 @@ def _made(
     }
     seen = np.flatnonzero(np.isfinite(values["cn0_dbhz"]).any(axis=1))
     kept = slice(int(seen[0]), int(seen[-1]) + 1) if seen.size else slice(0, 0)
+    if epochs is not None and not seen.size:
+        notes = (*notes, f"no epoch falls into the tracks; {config.rate_hz} Hz is too few for them")
     nothing = np.zeros(0)
     return Observations(
         reference=GnssTime(0) if epochs is None else epochs.reference,

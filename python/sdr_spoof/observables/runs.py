@@ -89,15 +89,16 @@ def _rows(track: SignalTrack) -> Run | None:
         return None
     time_s = track.time_s[kept]
     error_s = track.code_error_chips[kept] / spec.chip_rate_hz
+    phase_cycles = track.carrier_phase_cycles[kept]
     nothing = np.zeros(kept.size, np.bool_)
     return Run(
         spec=spec,
         time_s=time_s,
         code_s=track.code_phase_chips[kept] / spec.chip_rate_hz - error_s - time_s,
         code_error_s=error_s,
-        phase_cycles=track.carrier_phase_cycles[kept],
+        phase_cycles=phase_cycles,
         cn0_dbhz=track.cn0_dbhz[kept],
-        slipped=_slips(track.phase_error_cycles[kept], track.cn0_dbhz[kept], track, kept),
+        slipped=_slips(track.phase_error_cycles[kept], phase_cycles, _sigma_cycles(track, kept)),
         settled=~nothing,
         captured=state[kept] == State.CAPTURED,
         integration_s=float(np.median(track.integration_s[kept])),
@@ -106,15 +107,30 @@ def _rows(track: SignalTrack) -> Run | None:
 
 def _slips(
     error_cycles: NDArray[np.float64],
-    cn0_dbhz: NDArray[np.float64],
-    track: SignalTrack,
-    kept: NDArray[np.intp],
+    phase_cycles: NDArray[np.float64],
+    sigma_cycles: NDArray[np.float64],
 ) -> NDArray[np.bool_]:
-    """Rows whose phase error is more than noise: the loop may come to rest on another cycle."""
-    snr = 2.0 * 10.0 ** (0.1 * cn0_dbhz) * track.integration_s[kept]
-    sigma_cycles = 1.0 / (2.0 * np.pi * np.sqrt(np.maximum(snr, 1e-3)))
-    limit = np.clip(SLIP_SIGMAS * sigma_cycles, *SLIP_CYCLES)
-    return np.abs(error_cycles) > limit
+    """Rows whose phase error is more than noise: the loop may come to rest on another cycle.
+
+    Not where the measured phase goes on smoothly, with noise low enough to tell: the loop then
+    only lags behind a motion, and the discriminator still says by how much.
+    """
+    suspicious = np.abs(error_cycles) > np.clip(SLIP_SIGMAS * sigma_cycles, *SLIP_CYCLES)
+    bend_sigmas = SLIP_SIGMAS * np.sqrt(6.0) * sigma_cycles
+    bend = np.abs(np.diff(phase_cycles, 2))
+    largest = np.zeros(error_cycles.size)
+    for shift in range(3):
+        part = slice(shift, shift + bend.size)
+        largest[part] = np.maximum(largest[part], bend)
+    least, most = SLIP_CYCLES
+    smooth = (bend_sigmas <= most) & (largest <= np.maximum(bend_sigmas, least))
+    return np.asarray(suspicious & ~smooth)
+
+
+def _sigma_cycles(track: SignalTrack, kept: NDArray[np.intp]) -> NDArray[np.float64]:
+    """Thermal noise of one row's phase."""
+    snr = 2.0 * 10.0 ** (0.1 * track.cn0_dbhz[kept]) * track.integration_s[kept]
+    return np.asarray(1.0 / (2.0 * np.pi * np.sqrt(np.maximum(snr, 1e-3))))
 
 
 def _breaks(run: Run) -> NDArray[np.bool_]:

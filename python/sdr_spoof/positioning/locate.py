@@ -147,7 +147,8 @@ def _fixes(
     log: TrackLog, navigation: Navigation, config: Config, verdict: Verdict | None
 ) -> tuple[Observations, Fixes]:
     """Observations and fixes, by a clock that a first round of fixes has set right."""
-    coarse = config.observables.model_copy(update={"rate_hz": 1})
+    rate_hz = 1 if log.duration_s >= ENOUGH_S else 10
+    coarse = config.observables.model_copy(update={"rate_hz": rate_hz})
     first = observe(log, navigation, coarse, verdict)
     clock = first.clock
     if clock is not None:
@@ -184,6 +185,8 @@ def _line(time_s: NDArray[np.float64], fixes: Fixes, rows: NDArray[np.intp]) -> 
     return float(np.median(bias - drift * time_s)), drift
 
 
+ENOUGH_S = 10.0
+"""Of shorter recordings the first round takes ten epochs a second."""
 LINE_FIXES = 10
 """Of fewer fixes the drift is that of their velocities."""
 C = 299_792_458.0
@@ -193,7 +196,7 @@ def _reasons(fixes: Fixes) -> list[str]:
     """Why satellites were left out, and why there is no fix, in words."""
     left_out: dict[Cause, dict[str, None]] = {}
     for e in fixes.excluded:
-        if e.cause not in (Cause.LOW, Cause.NO_FIX):
+        if e.cause not in (Cause.LOW, Cause.NO_FIX, Cause.NOT_WANTED):
             left_out.setdefault(e.cause, {})[e.satellite] = None
     reasons = [f"{CAUSES[cause]}: {', '.join(names)}" for cause, names in left_out.items()]
     if fixes.epochs and not fixes.fixed.any():
