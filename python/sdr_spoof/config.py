@@ -15,7 +15,9 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from .acquisition import AcquisitionConfig
 from .detectors import DetectionConfig
-from .pvt import PvtConfig
+from .observables import ObservablesConfig
+from .positioning.config import NavigationConfig
+from .pvt.config import PvtConfig
 from .tracking import TrackingConfig
 from .validation import Location, in_file, load_toml, validated
 
@@ -25,7 +27,8 @@ if TYPE_CHECKING:
 
     from pydantic.fields import FieldInfo
 
-_FLAG_PREFIX = "config:"
+FLAG_PREFIX = "config:"
+"""Of the destinations of flags, before the dotted name of the field."""
 
 
 class Config(BaseModel):
@@ -42,8 +45,15 @@ class Config(BaseModel):
     detection: DetectionConfig = Field(
         default_factory=DetectionConfig, description="spoofing detectors and their thresholds"
     )
+    observables: ObservablesConfig = Field(
+        default_factory=ObservablesConfig,
+        description="pseudorange, carrier phase and Doppler at common receiver times",
+    )
+    navigation: NavigationConfig = Field(
+        default_factory=NavigationConfig, description="positioning, and what may help it"
+    )
     pvt: PvtConfig = Field(
-        default_factory=PvtConfig, description="position, velocity and time, and their checks"
+        default_factory=PvtConfig, description="what a position is made of, and how it is checked"
     )
 
 
@@ -73,7 +83,7 @@ def add_flags(parser: argparse.ArgumentParser, groups: Sequence[str]) -> None:
         for name, leaf in _leaves(field, (group,)):
             section.add_argument(
                 flag_name(name),
-                dest=_FLAG_PREFIX + ".".join(name),
+                dest=FLAG_PREFIX + ".".join(name),
                 metavar=_metavar(leaf.annotation),
                 help=_help(leaf),
             )
@@ -86,9 +96,9 @@ def from_arguments(arguments: argparse.Namespace) -> Config:
         ConfigError: as :func:`load_config`.
     """
     flags = {
-        key.removeprefix(_FLAG_PREFIX): value
+        key.removeprefix(FLAG_PREFIX): value
         for key, value in vars(arguments).items()
-        if key.startswith(_FLAG_PREFIX) and value is not None
+        if key.startswith(FLAG_PREFIX) and value is not None
     }
     return load_config(arguments.config, flags)
 

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .nav.time import GnssTime
+    from .observables.clock import ReceiverClock
 
 SUBCARRIER = "B1I+B1C"
 """Name of the pseudorange from the subcarrier of a satellite's B1I and B1C."""
@@ -66,6 +67,10 @@ class Observations:
     """Whether the carrier phase may be off by half a cycle."""
     spoofed: NDArray[np.bool_]
     """Whether the satellite is spoofed at that epoch, by the detectors."""
+    clock: ReceiverClock | None = None
+    """What receiver time went by."""
+    notes: tuple[str, ...] = ()
+    """What could not be observed, and why, a sentence each."""
 
     @property
     def epochs(self) -> int:

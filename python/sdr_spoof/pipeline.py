@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from .errors import OutputError
 from .fusion import deciding
+from .positioning import try_locate
 from .progress import silent
 from .receive import receive
 from .report import TruthMark, write_report
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from .config import Config
+    from .positioning import Located
     from .progress import Stages
     from .records import Acquisition, SatelliteVerdict, TrackLog, Verdict
     from .sources import Recording
@@ -43,6 +45,9 @@ class Processed:
     verdict: Verdict
     result_path: Path
     report_path: Path
+    located: Located | None = None
+    why_not_located: str = ""
+    """Why there is no position at all, in words."""
 
 
 @dataclass(frozen=True)
@@ -106,12 +111,19 @@ def process(
         SignalError: the recording cannot hold a signal asked for.
     """
     out = Path(out)
-    result_path, report_path = _outputs(out, ("result.h5", "report.html"), force=force)
-    with _folder(out):
+    result_path, report_path = output_paths(out, ("result.h5", "report.html"), force=force)
+    with output_folder(out):
         found, log = receive(recording, config, signals, prns, threads, stages, out)
-        with stages("Reporting") as progress:
+        with stages("Detecting"):
             verdict = detect(log, config.detection)
-            result = Result.of(recording, config, acquisitions=found, log=log, verdict=verdict)
+        with stages("Positioning"):
+            located, why_not = try_locate(
+                log, config, verdict, start=recording.start, acquisitions=found
+            )
+        with stages("Reporting") as progress:
+            known: dict[str, Any] = {"acquisitions": found, "log": log, "verdict": verdict}
+            more = located.records() if located is not None else {}
+            result = Result.of(recording, config, **known, **more)
             write_result(result_path, result, force=force)
             if progress:
                 progress(1, 4)
@@ -124,14 +136,17 @@ def process(
                 detection=config.detection,
                 effective_config=config.model_dump(mode="json"),
                 truth=truth,
+                located=located,
+                why_not_located=why_not,
                 force=force,
             )
             if progress:
                 progress(4, 4)
-    return Processed(recording, config, tuple(found), log, verdict, result_path, report_path)
+    paths = result_path, report_path
+    return Processed(recording, config, tuple(found), log, verdict, *paths, located, why_not)
 
 
-def _outputs(out: Path, names: Sequence[str], *, force: bool) -> list[Path]:
+def output_paths(out: Path, names: Sequence[str], *, force: bool) -> list[Path]:
     """Paths in the output folder, none of which may exist.
 
     Raises:
@@ -147,7 +162,7 @@ def _outputs(out: Path, names: Sequence[str], *, force: bool) -> list[Path]:
 
 
 @contextmanager
-def _folder(out: Path) -> Iterator[None]:
+def output_folder(out: Path) -> Iterator[None]:
     """Make the output folder; if nothing came to lie in it, take it away again.
 
     Raises:
@@ -181,9 +196,9 @@ def demo(
     """
     out = Path(out)
     names = ("demo.sigmf-data", "demo.sigmf-meta", "demo.truth.json", "result.h5", "report.html")
-    _outputs(out, names, force=force)
+    output_paths(out, names, force=force)
     scenario = builtin_scenario("demo")
-    with _folder(out), stages("Synthesising") as progress:
+    with output_folder(out), stages("Synthesising") as progress:
         meta = synthesize(scenario, out / "demo", threads=threads, force=force, progress=progress)
     truth = json.loads(truth_path(meta).read_text(encoding="utf-8"))
     processed = process(

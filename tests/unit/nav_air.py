@@ -40,7 +40,7 @@ def navigation():
 
 def content(prn, message="D1", at=NOON) -> Broadcast:
     """What a satellite sends at a time."""
-    system = MESSAGES[message].system
+    system = "G" if message == "LNAV" else "C"
     own = [e for e in navigation().ephemerides if (e.system, e.prn) == (system, prn)]
     ephemeris = min(own, key=lambda e: abs(e.toe - at))
     week = at.week_tow(system)[0]
@@ -106,7 +106,7 @@ def _emitter(sent: Sent, start, duration_s):
         span = duration_s + 2 * LEAD_S
         data = content(sent.prn, name, start)
         symbols = MESSAGES[name].encode(data, start + -LEAD_S, span).copy()
-        times = np.arange(symbols.size) * MESSAGES[name].symbol_s - LEAD_S
+        times = np.arange(symbols.size) * (span / symbols.size) - LEAD_S
         for at in sent.flips:
             symbols[times >= at] *= -1
         more["symbols"] = symbols

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -19,6 +20,7 @@ from sdr_spoof.nav.records import Navigation
 from sdr_spoof.nav.rinex_nav import read_navigation
 from sdr_spoof.nav.time import GnssTime
 from sdr_spoof.observations import SUBCARRIER, Observations, ObservedSignal
+from sdr_spoof.pvt import PvtConfig
 from sdr_spoof.pvt.ranges import carrier_hz
 
 LIGHT = 299_792_458.0
@@ -26,6 +28,10 @@ EARTH_RATE = 7.292115e-5
 PLACE = geodetic_to_ecef([39.9, 116.4, 60.0])
 START = GnssTime.of_week(2253, 6 * 3600.0)
 VECTORS = Path(__file__).parents[1] / "vectors/navigation"
+
+
+EXACT = PvtConfig(ionosphere="none", troposphere="none", zenith_sigma_m=0.0, weights="equal")
+"""What the closed form holds."""
 
 
 @cache
@@ -169,3 +175,17 @@ class Sky:
         if self.troposphere:
             delay = delay + troposphere_m(ground, look, instants)
         return delay
+
+
+def part(observations: Observations, rows: slice) -> Observations:
+    names = ("time_s", "sample_time_s", "pseudorange_m", "carrier_phase_cycles", "doppler_hz")
+    names += ("cn0_dbhz", "lock_lost", "half_cycle", "spoofed")
+    return dataclasses.replace(observations, **{n: getattr(observations, n)[rows] for n in names})
+
+
+def errors(fixes) -> np.ndarray:
+    return np.linalg.norm(fixes.position_m - PLACE, axis=1)
+
+
+def exact(**changes) -> PvtConfig:
+    return EXACT.model_copy(update=changes)

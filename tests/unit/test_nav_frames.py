@@ -10,7 +10,7 @@ from scipy.stats import norm
 from sdr_spoof.nav import anchors
 from sdr_spoof.nav.frames import decode_runs
 from sdr_spoof.nav.messages import MESSAGES
-from sdr_spoof.nav.soft import amplitude_and_noise
+from sdr_spoof.nav.soft import amplitude_and_noise, weighted
 from sdr_spoof.nav.symbols import Stretch
 from sdr_spoof.nav.time import GnssTime
 from sdr_spoof.signals import signal_spec
@@ -167,6 +167,38 @@ def test_missing_symbols_spoil_one_subframe_only(message, prn) -> None:
     assert good - {7} == {0, 1, 2, 4, 5, 6}
 
 
+@pytest.mark.parametrize(("message", "prn"), [("D1", 27), ("LNAV", 12)])
+def test_bursts_of_noise_are_not_trusted(message, prn) -> None:
+    """The mean noise of the run is far below that of the bursts."""
+    start = FRAME_START if message != "LNAV" else FRAME_START + -14.0
+    strong = air(message, prn, start, 1800.0, cn0_dbhz=40)
+    weak = air(message, prn, start, 1800.0, cn0_dbhz=20, seed=5)
+    values = strong.values.copy()
+    bursts = [slice(5000 + 17_000 * k, 8000 + 17_000 * k) for k in range(5)]
+    for burst in bursts:
+        values[burst] = weak.values[burst]
+    amplitude, noise = amplitude_and_noise(values)
+    weights = weighted(values, noise / amplitude) / values
+    assert all((weights[b] < 0.7).mean() > 0.95 for b in bursts)
+    assert (weights > 0.99).mean() > 0.8
+    truth = {f.code_phase_chips: f for f in MESSAGES[message].decode(strong)}
+    frames = MESSAGES[message].decode(replace(strong, values=values))
+    assert _times_are_right(frames, start)
+    good = [f for f in frames if f.ok]
+    assert all((f.bits[15:] == truth[f.code_phase_chips].bits[15:]).all() for f in good)
+    inside = [f for f in good if any(b.start <= f.time_s * 50 <= b.stop - 300 for b in bursts)]
+    assert len(inside) < 3
+    assert len(good) > 235
+
+
+def test_steady_symbols_are_all_weighted_alike() -> None:
+    for cn0_dbhz in (22, 25, 40):
+        run = air("D1", 27, FRAME_START, 1800.0, cn0_dbhz=cn0_dbhz)
+        amplitude, noise = amplitude_and_noise(run.values)
+        same = weighted(run.values, noise / amplitude) == run.values
+        assert same.mean() > 0.995
+
+
 def _with_gap(run, at, dropped):
     """The recording lost so many symbols: the code goes on counting without them."""
     chips = run.code_phase_chips
@@ -183,12 +215,26 @@ def test_dropped_samples_give_a_new_anchor() -> None:
     run = _with_gap(air("D1", 27, FRAME_START, 60.0), 1400, 31)
     navigation = decode_runs([run])
     before, after = navigation.anchors
+    (note,) = navigation.notes
+    assert "C27 B1I: its time jumps by +0.620 s" in note
     rate = signal_spec("B1I").chip_rate_hz
     assert before.until_s <= 1400 * 0.02 + 1e-9 < after.from_s
     assert before.transmitted - FRAME_START == pytest.approx(before.code_phase_chips / rate)
     later = after.transmitted - FRAME_START - after.code_phase_chips / rate
     assert later == pytest.approx(31 * 0.02)
     assert [f.ok for f in navigation.frames] == [True] * 4 + [True] * 4 + [False]
+
+
+@pytest.mark.parametrize(("message", "prn"), [("D2", 3), ("LNAV", 12)])
+def test_after_dropped_samples_plain_codes_tell_no_exact_time(message, prn) -> None:
+    start = FRAME_START if message != "LNAV" else FRAME_START + -14.0
+    run = _with_gap(air(message, prn, start, 3000 * MESSAGES[message].symbol_s), 1400, 31)
+    navigation = decode_runs([run], NOON)
+    (anchor,) = navigation.anchors
+    assert anchor.until_s <= 1400 * run.symbol_s + 1e-9
+    (note,) = navigation.notes
+    assert "missing from the recording" in note
+    assert len(navigation.frames) > 7
 
 
 def test_one_misread_time_does_not_move_the_anchor() -> None:

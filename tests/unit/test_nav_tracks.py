@@ -156,3 +156,48 @@ def test_unbroken_track_matches_message_decode() -> None:
     assert anchors.at(anchor, frame.code_phase_chips) - frame.transmitted == pytest.approx(
         0, abs=1e-9
     )
+
+
+def test_b_cnav1_dates_the_pilot_beside_it() -> None:
+    sent = (Sent("B1CP", 27, 44.0), Sent("B1CD", 27, 38.0))
+    log, emitters = _log(*sent, duration_s=42.0, config=DATA)
+    navigation = frames.decode(log)
+    assert {f.message for f in navigation.frames} == {"CNV1"}
+    _assert_anchored(log, emitters, navigation, {("B1CP", 27): 1})
+    assert {e.message for e in navigation.ephemerides} == {"CNV1"}
+
+
+def test_both_messages_of_a_satellite() -> None:
+    sent = (Sent("B1I", 27), Sent("B1CP", 27, 44.0), Sent("B1CD", 27, 38.0))
+    log, emitters = _log(*sent, duration_s=42.0, config=DATA)
+    navigation = frames.decode(log)
+    assert navigation.notes == ()
+    assert {e.message for e in navigation.ephemerides} == {"CNV1", "D1"}
+    _assert_anchored(log, emitters, navigation, {("B1CP", 27): 1, ("B1I", 27): 1})
+
+
+def test_the_pilot_hands_the_time_on_where_the_other_signal_was_lost() -> None:
+    gone = ((0.0, 0.0), (16.9, 0.0), (17.0, -60.0), (18.5, -60.0), (18.6, 0.0))
+    sent = (Sent("B1I", 27, power_db=gone), Sent("B1CP", 27))
+    log, emitters = _log(*sent, duration_s=22.0)
+    navigation = frames.decode(log, START)
+    # The second stretch of B1I is too short for a subframe.
+    _assert_anchored(log, emitters, navigation, {("B1I", 27): 2, ("B1CP", 27): 1})
+
+
+def test_a_jump_holds_for_the_other_signal_too() -> None:
+    log, _ = _log(Sent("B1I", 27), Sent("B1CP", 27), duration_s=20.0)
+    navigation = frames.decode(log, START)
+    (own,) = [a for a in navigation.anchors if a.signal == "B1I"]
+    halves = (
+        replace(own, until_s=9.0),
+        replace(own, from_s=11.0, transmitted=own.transmitted + 0.5),
+    )
+    tracks = {t.signal: t for t in log.signals}
+    (stretch,) = stretches_of(tracks["B1CP"])
+    borrowed = anchors.from_others(stretch, tracks["B1CP"], [(a, tracks["B1I"]) for a in halves])
+    before, after = borrowed
+    assert before.until_s == 9.0
+    assert after.from_s == 11.0
+    jump = after.transmitted - anchors.at(before, after.code_phase_chips)
+    assert jump == pytest.approx(0.5, abs=1e-9)

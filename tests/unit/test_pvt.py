@@ -6,30 +6,18 @@ import dataclasses
 
 import numpy as np
 import pytest
-from observed_sky import PLACE, START, VECTORS, Sky, navigation
+from observed_sky import EXACT, PLACE, VECTORS, Sky, errors, exact, navigation, part
 
 from sdr_spoof import pvt
 from sdr_spoof.errors import NavigationError
 from sdr_spoof.fixes import Cause, Status
 from sdr_spoof.nav.broadcast import Klobuchar
-from sdr_spoof.nav.records import Navigation
 from sdr_spoof.nav.rinex_nav import read_navigation
 from sdr_spoof.nav.time import GnssTime
 from sdr_spoof.observations import SUBCARRIER, Observations, ObservedSignal
 from sdr_spoof.pvt import PvtConfig
 
-EXACT = PvtConfig(ionosphere="none", troposphere="none", zenith_sigma_m=0.0, weights="equal")
 KLOBUCHAR = Klobuchar((2e-8, 1e-8, -1e-7, 0.0), (1e5, 1e5, -1e5, 0.0), "C")
-
-
-def part(observations: Observations, rows: slice) -> Observations:
-    names = ("time_s", "sample_time_s", "pseudorange_m", "carrier_phase_cycles", "doppler_hz")
-    names += ("cn0_dbhz", "lock_lost", "half_cycle", "spoofed")
-    return dataclasses.replace(observations, **{n: getattr(observations, n)[rows] for n in names})
-
-
-def errors(fixes) -> np.ndarray:
-    return np.linalg.norm(fixes.position_m - PLACE, axis=1)
 
 
 @pytest.mark.parametrize("systems", ["C", "G", "CG"])
@@ -50,13 +38,9 @@ def test_exact_ranges_give_the_exact_place(systems: str) -> None:
     assert not fixes.excluded
 
 
-def exact(**changes) -> PvtConfig:
-    return EXACT.model_copy(update=changes)
-
-
 @pytest.mark.parametrize("systems", ["C", "CG"])
 def test_errors_are_as_the_covariance_says(systems: str) -> None:
-    count, sigma = 2000, 2.0
+    count, sigma = 800, 2.0
     sky = Sky(systems, epochs=count, interval_s=0.02, sigma_m=sigma)
     config = exact(code_sigma_m=sigma, signals=("B1I",), raim_exclusions=0)
     if systems == "CG":
@@ -74,18 +58,6 @@ def test_errors_are_as_the_covariance_says(systems: str) -> None:
     assert abs(fixes.square_sum.mean() / fixes.freedom[0] - (1.0 if systems == "C" else 0.6)) < 0.4
 
 
-def test_false_alarms_of_raim_are_as_configured() -> None:
-    count, sigma = 4000, 1.0
-    config = exact(code_sigma_m=sigma, raim_false_alarm=0.01, raim_exclusions=0)
-    observations = Sky(epochs=count, interval_s=0.01, sigma_m=sigma).observe()
-    fixes = pvt.solve(observations, navigation(), config)
-    suspects = (fixes.status == Status.SUSPECT).sum()
-    assert abs(suspects - 0.01 * count) < 4 * np.sqrt(0.01 * count)
-    freedom = int(fixes.freedom[0])
-    assert freedom == len(observations.signals) - 4
-    assert fixes.square_sum.mean() == pytest.approx(freedom, abs=4 * np.sqrt(2 * freedom / count))
-
-
 def test_offset_between_systems_and_signals_is_recovered() -> None:
     signals = {"C": ("B1I", "B1CP"), "G": ("L1CA",)}
     sky = Sky("CG", signals, epochs=2, offsets_m={"G": -52.5, "B1CP": 7.25})
@@ -95,142 +67,6 @@ def test_offset_between_systems_and_signals_is_recovered() -> None:
     assert fixes.biases == ("C B1I", "C B1CP", "G L1CA")
     assert fixes.bias_m[:, 1] == pytest.approx(7.25, abs=1e-3)
     assert np.isnan(fixes.bias_m[:, [0, 2]]).all()
-
-
-def test_one_false_satellite_is_excluded_and_named() -> None:
-    observations = Sky("CG", satellites=5, epochs=20, sigma_m=0.5).observe()
-    for column, signal in enumerate(observations.signals):
-        ranges = observations.pseudorange_m.copy()
-        ranges[:, column] += 100.0
-        biased = dataclasses.replace(observations, pseudorange_m=ranges)
-        fixes = pvt.solve(biased, navigation(), EXACT.model_copy(update={"code_sigma_m": 0.5}))
-        assert (fixes.status == Status.FIX).all()
-        assert (fixes.cause[:, column] == Cause.RESIDUAL).all()
-        assert [(e.satellite, e.epochs) for e in fixes.excluded] == [(signal.satellite, 20)]
-        error = fixes.position_m - PLACE
-        square = np.einsum("ei,eij,ej->e", error, np.linalg.inv(fixes.covariance_m2), error)
-        assert square.mean() < 3.0 + 4 * np.sqrt(6.0 / 20)
-
-
-def test_a_satellite_is_excluded_with_all_its_signals() -> None:
-    signals = {"C": ("B1I", "B1CP")}
-    observations = Sky("C", signals, satellites=7, sigma_m=0.3).observe()
-    ranges = observations.pseudorange_m.copy()
-    ranges[:, 2:4] += 60.0
-    fixes = pvt.solve(dataclasses.replace(observations, pseudorange_m=ranges), navigation(), EXACT)
-    assert (fixes.cause[:, 2:4] == Cause.RESIDUAL).all()
-    assert (fixes.status == Status.FIX).all()
-
-
-def test_what_cannot_be_told_apart_is_suspect() -> None:
-    """With five satellites a false one shows, but not which it is."""
-    observations = Sky(satellites=5).observe()
-    observations.pseudorange_m[:, 1] += 200.0
-    fixes = pvt.solve(observations, navigation(), EXACT)
-    assert fixes.status[0] == Status.SUSPECT
-    assert fixes.used.all()
-
-
-def test_four_satellites_are_not_checked_and_three_give_no_fix() -> None:
-    four = pvt.solve(Sky(satellites=4).observe(), navigation(), EXACT)
-    assert four.status[0] == Status.UNCHECKED
-    assert errors(four)[0] < 1e-5
-    three = pvt.solve(Sky(satellites=3).observe(), navigation(), EXACT)
-    assert three.status[0] == Status.NO_FIX
-    assert np.isnan(three.position_m).all()
-    assert three.reason(0) == "too few satellites: 3 usable before the elevation mask"
-    assert {e.cause for e in three.excluded} == {Cause.NO_FIX}
-
-
-def test_two_systems_need_five() -> None:
-    observations = Sky("CG", satellites=2).observe()
-    assert pvt.solve(observations, navigation(), EXACT).status[0] == Status.NO_FIX
-    more = Sky("CG", satellites=3).observe()
-    assert pvt.solve(more, navigation(), EXACT).status[0] == Status.FIX
-
-
-def test_two_signals_of_four_satellites_check_nothing() -> None:
-    observations = Sky("C", {"C": ("B1I", "B1CP")}, satellites=4).observe()
-    assert pvt.solve(observations, navigation(), EXACT).status[0] == Status.UNCHECKED
-
-
-def test_spoofed_satellites_are_left_out_and_named() -> None:
-    observations = Sky(epochs=4).observe()
-    spoofed = observations.spoofed.copy()
-    spoofed[2:, 3] = True
-    ranges = observations.pseudorange_m.copy()
-    ranges[2:, 3] += 40.0
-    marked = dataclasses.replace(observations, spoofed=spoofed, pseudorange_m=ranges)
-    fixes = pvt.solve(marked, navigation(), EXACT)
-    assert errors(fixes).max() < 1e-5
-    name = observations.signals[3].satellite
-    assert [fixes.spoofed(e) for e in range(4)] == [(), (), (name,), (name,)]
-    assert [str(e) for e in fixes.excluded] == [f"{name} B1I: spoofed"]
-
-
-def cause_of(fixes, satellite: str) -> Cause:
-    column = [s.satellite for s in fixes.signals].index(satellite)
-    return Cause(int(fixes.cause[0, column]))
-
-
-def a_satellite(observations: Observations) -> ObservedSignal:
-    return next(s for s in observations.signals if s.prn > 18)
-
-
-def test_unhealthy_stale_and_unknown_satellites_are_left_out() -> None:
-    observations = Sky().observe()
-    signal = a_satellite(observations)
-
-    def changed(**changes) -> Navigation:
-        own = (signal.system, signal.prn)
-        known = navigation().ephemerides
-        if not changes:
-            return Navigation(ephemerides=tuple(e for e in known if (e.system, e.prn) != own))
-        edited = [
-            dataclasses.replace(e, **changes) if (e.system, e.prn) == own else e for e in known
-        ]
-        return Navigation(ephemerides=tuple(edited))
-
-    for navigation_data, cause in [
-        (changed(health=1), Cause.UNHEALTHY),
-        (changed(fit_interval_s=0.0, toe=START + -7000.0), Cause.STALE),
-        (changed(), Cause.NO_EPHEMERIS),
-    ]:
-        fixes = pvt.solve(observations, navigation_data, EXACT)
-        assert cause_of(fixes, signal.satellite) == cause
-        assert fixes.status[0] == Status.FIX
-        assert errors(fixes)[0] < 1e-5
-
-
-def test_old_ephemerides_give_no_fix_rather_than_a_wrong_one() -> None:
-    observations = dataclasses.replace(Sky().observe(), reference=START + 86_400.0 * 3)
-    fixes = pvt.solve(observations, navigation(), EXACT)
-    assert fixes.status[0] == Status.NO_FIX
-    assert {e.cause for e in fixes.excluded} == {Cause.STALE}
-
-
-def test_weak_low_and_unwanted_signals_are_left_out() -> None:
-    observations = Sky("C", {"C": ("B1I", "B1CP")}, mask_deg=3.0).observe()
-    observations.cn0_dbhz[:, 4] = 20.0
-    config = exact(signals=("B1I",), elevation_mask_deg=20.0)
-    fixes = pvt.solve(observations, navigation(), config)
-    assert fixes.cause[0, 4] == Cause.WEAK
-    assert (fixes.cause[0, 1::2] == Cause.NOT_WANTED).all()
-    low = fixes.elevation_deg[0] < 20.0
-    assert low[::2].sum() > 2
-    assert set(fixes.cause[0, ::2][low[::2]].tolist()) <= {Cause.LOW, Cause.WEAK}
-    assert not (fixes.cause[0, ~low] == Cause.LOW).any()
-    assert errors(fixes)[0] < 1e-5
-
-
-def test_nothing_observed_is_nothing_found() -> None:
-    observations = Sky(epochs=5).observe()
-    observations.pseudorange_m[1] = np.nan
-    observations.pseudorange_m[3, 2:] = np.nan
-    fixes = pvt.solve(observations, navigation(), EXACT)
-    assert fixes.status.tolist() == [1, 0, 1, 0, 1]
-    assert fixes.reason(1) == "too few satellites: 0 usable before the elevation mask"
-    assert pvt.solve(part(observations, slice(0, 0)), navigation(), EXACT).epochs == 0
 
 
 def test_atmosphere_is_taken_out() -> None:
@@ -255,7 +91,7 @@ def test_velocity_and_drift() -> None:
 
 
 def test_errors_of_velocity_are_as_its_covariance_says() -> None:
-    count, sigma = 1000, 0.1
+    count, sigma = 500, 0.1
     sky = Sky(epochs=count, interval_s=0.02, rate_sigma_m_s=sigma)
     fixes = pvt.solve(
         sky.observe(), navigation(), EXACT.model_copy(update={"doppler_sigma_m_s": sigma})
@@ -342,5 +178,5 @@ def test_a_real_station_is_found() -> None:
     up = truth / np.linalg.norm(truth)
     horizontal = error - np.outer(error @ up, up)
     assert (fixes.status == Status.FIX).all()
-    assert np.linalg.norm(horizontal, axis=1).mean() < 2.0
-    assert np.abs(error @ up).mean() < 5.0
+    assert np.linalg.norm(horizontal, axis=1).mean() < 1.0
+    assert np.abs(error @ up).mean() < 1.5

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from observed_sky import PLACE, START, Sky, navigation
@@ -76,13 +78,8 @@ def test_errors_are_as_the_covariance_says() -> None:
     random = np.random.default_rng(8)
     for _ in range(100):
         noisy = [
-            CodePhase(
-                p.system,
-                p.prn,
-                p.signal,
-                (p.delay_s + NOISE_M / LIGHT_M_S * random.standard_normal()) % 1e-3,
-                45.0,
-                p.doppler_hz,
+            dataclasses.replace(
+                p, delay_s=(p.delay_s + NOISE_M / LIGHT_M_S * random.standard_normal()) % 1e-3
             )
             for p in known
         ]
@@ -105,16 +102,28 @@ def test_five_satellites_are_not_checked_and_four_give_nothing() -> None:
     assert "too few satellites" in four.reason(0)
 
 
-def test_a_false_code_phase_is_not_believed() -> None:
-    known = phases(Sky(satellites=8, clock_m=0.0))
-    false = [
-        CodePhase(p.system, p.prn, p.signal, (p.delay_s + 3e-4) % 1e-3, 45.0, p.doppler_hz)
-        if k == 3
-        else p
+def with_false(known: list[CodePhase], *which: int) -> list[CodePhase]:
+    return [
+        dataclasses.replace(p, delay_s=(p.delay_s + 3e-4 + 1e-5 * k) % 1e-3) if k in which else p
         for k, p in enumerate(known)
     ]
-    fixes = pvt.snapshot(false, navigation(), shifted(9e3, 9e3), START + 9.0, CONFIG)
-    assert fixes.status[0] != Status.FIX
+
+
+def test_one_false_code_phase_is_left_out_and_two_are_not_believed() -> None:
+    known = phases(Sky(satellites=9, clock_m=0.0))
+    near = CONFIG.model_copy(update={"place_uncertainty_m": 50e3, "time_uncertainty_s": 20.0})
+
+    def solved(*which: int, exclusions: int = 1) -> Fixes:
+        config = near.model_copy(update={"raim_exclusions": exclusions})
+        at, time = shifted(9e3, 9e3), START + 9.0
+        return pvt.snapshot(with_false(known, *which), navigation(), at, time, config)
+
+    one = solved(3)
+    assert one.status[0] == Status.FIX
+    assert miss(one) < 1e-2
+    assert [e.satellite for e in one.excluded] == [one.signals[3].satellite]
+    assert solved(3, exclusions=0).status[0] != Status.FIX
+    assert solved(3, 5).status[0] != Status.FIX
 
 
 def test_without_ephemerides_there_is_no_fix() -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import resource
 from collections.abc import Callable
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -228,3 +230,29 @@ def test_demo_format_holds_both_bands(tmp_path: Path) -> None:
     recording = open_recording(raw(tmp_path, bytes(8), DEMO), DEMO)
     assert {"B1I", "B1CD", "B1CP"} <= set(recording.signals())
     assert DEMO.band_hz == (1538.259e6, 1598.259e6)
+
+
+@pytest.mark.parametrize(
+    ("text", "seconds"),
+    [
+        ("2023-03-12T08:00:00.25Z", 28800.25),
+        ("2023-03-12T08:00:00", 28800),
+        ("2023-03-12T16:00:00+08:00", 28800),
+    ],
+)
+def test_sigmf_start_of_the_recording(tmp_path: Path, text: str, seconds: float) -> None:
+    (tmp_path / "a.sigmf-data").write_bytes(bytes(64))
+    meta = sigmf_file.write_meta(tmp_path / "a", with_format("ci8"))
+    assert open_recording(meta).start is None
+    document = json.loads(meta.read_text())
+    document["captures"][0]["core:datetime"] = text
+    meta.write_text(json.dumps(document))
+    start = open_recording(meta).start
+    assert start is not None
+    assert (start - datetime(2023, 3, 12, tzinfo=UTC)).total_seconds() == seconds
+    sigmf_file.write_meta(tmp_path / "a", with_format("ci8"), start=start)
+    assert open_recording(meta).start == start
+    document["captures"][0]["core:datetime"] = "yesterday"
+    meta.write_text(json.dumps(document))
+    with pytest.raises(RecordingError, match="yesterday"):
+        open_recording(meta)

@@ -18,7 +18,7 @@ from pydantic import ValidationError
 
 from sdr_spoof.errors import ConfigError, SdrSpoofError
 
-from . import acquire, bench, campaign, demo, info, process, reproduce, synth, track, validate
+from . import acquire, bench, campaign, demo, fix, info, process, reproduce, synth, track, validate
 from .command import INTERRUPTED, Command, Outcome, to_plain
 from .ui import Ui
 
@@ -33,6 +33,7 @@ COMMANDS: tuple[Command, ...] = (
     acquire.COMMAND,
     track.COMMAND,
     process.COMMAND,
+    fix.COMMAND,
     demo.COMMAND,
     campaign.COMMAND,
     bench.COMMAND,

@@ -13,13 +13,16 @@ from sdr_spoof.sources import Recording, RecordingFormat, open_recording
 _FORMAT_PREFIX = "format:"
 
 
-def add_recording(parser: argparse.ArgumentParser) -> None:
-    """Add the recording and the flags of its format, from the fields of RecordingFormat."""
+def add_recording(parser: argparse.ArgumentParser, *, also: str = "") -> None:
+    """Add the recording and the flags of its format, from the fields of RecordingFormat.
+
+    ``also`` says what else may be named.
+    """
     parser.add_argument(
         "recording",
         type=Path,
         metavar="REC",
-        help=".sigmf-meta, .sigmf-data, TOML sidecar, or raw file",
+        help=f".sigmf-meta, .sigmf-data, TOML sidecar, or raw file{also}",
     )
     section = parser.add_argument_group(
         "recording format", "for raw files; overrides what the metadata or sidecar says"

@@ -25,7 +25,9 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     options.add_selection(parser)
     options.add_output(parser, "folder for report.html and result.h5 (default: out/<recording>)")
     options.add_threads(parser)
-    config.add_flags(parser, ["acquisition", "tracking", "detection"])
+    config.add_flags(
+        parser, ["acquisition", "tracking", "detection", "navigation", "observables", "pvt"]
+    )
 
 
 def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
@@ -56,10 +58,13 @@ def outputs(processed: Processed) -> str:
 
 def outcome(processed: Processed, ui: Ui, *, files: bool = True) -> Outcome:
     """Outcome of a processed recording, shared by ``process`` and ``demo``."""
+    from sdr_spoof.positioning.summary import sentences, summarise  # noqa: PLC0415
     from sdr_spoof.report import print_verdict  # noqa: PLC0415
 
     if processed.log.partial:
         ui.note(f"interrupted: the results are partial, up to {processed.log.duration_s:.3f} s")
+    why_not = processed.why_not_located
+    position = summarise(processed.located) if processed.located is not None else None
     data = {
         "recording": processed.recording.path,
         "format": processed.recording.format,
@@ -69,6 +74,8 @@ def outcome(processed: Processed, ui: Ui, *, files: bool = True) -> Outcome:
         "acquisitions": processed.acquisitions,
         "second_peaks": processed.log.second_peaks,
         "verdict": processed.verdict,
+        "position": position,
+        "no_position": why_not or None,
         "result": processed.result_path,
         "report": processed.report_path,
     }
@@ -78,6 +85,8 @@ def outcome(processed: Processed, ui: Ui, *, files: bool = True) -> Outcome:
         console.print(tables.tracks(processed.log.signals))
         print_verdict(processed.verdict, console, processed.config.detection)
         if files:
+            told = sentences(position) if position else [f"No position: {why_not}"]
+            console.print("\n".join(["", *told]), highlight=False, soft_wrap=True, markup=False)
             console.print(f"\n{outputs(processed)}", highlight=False, soft_wrap=True)
 
     return Outcome(data, render, INTERRUPTED if processed.log.partial else 0)
@@ -89,9 +98,9 @@ COMMAND = Command(
     _configure,
     _run,
     usage="REC [-o FOLDER] [options]",
-    details="Ends with a verdict for each satellite and writes FOLDER/report.html, for people, "
-    "and FOLDER/result.h5, with every number. Ctrl-C while it tracks keeps what was done so far, "
-    "marked partial.",
+    details="Ends with a verdict for each satellite, and with positions where the recording "
+    "allows, and writes FOLDER/report.html, for people, and FOLDER/result.h5, with every number. "
+    "Ctrl-C while it tracks keeps what was done so far, marked partial.",
     examples=(
         "sdr-spoof process recording.sigmf-meta",
         "sdr-spoof process b1.bin --sample-format ri8 --sample-rate-hz 120e6 --lo-hz 1538.259e6",

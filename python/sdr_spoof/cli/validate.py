@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,21 +15,41 @@ from .command import Command, Outcome
 
 if TYPE_CHECKING:
     import argparse
+    from collections.abc import Callable
 
     from rich.console import Console
 
     from .ui import Ui
 
+
+@dataclass(frozen=True)
+class _Study:
+    """A module of ``sdr_spoof.studies``, of the same name."""
+
+    last: str
+    """File that it writes last."""
+    sizes: Callable[[float], dict[str, float]]
+    """Arguments of its ``run`` that say how long it is, for a share of the full length."""
+    threaded: bool = True
+    """Whether it takes a number of threads."""
+
+
 STUDIES = {
-    "acquisition": "acquisition.json",
-    "tracking": "tracking_jitter.json",
-    "combo": "combo.json",
-    "fallback": "fallback.json",
-    "levels": "levels.json",
-    "bcnav1": "bcnav1.json",
-    "speed": "speed.json",
+    "acquisition": _Study(
+        "acquisition.json",
+        lambda share: {
+            "searches": max(100, round(4000 * share)),
+            "trials": max(10, round(240 * share)),
+        },
+    ),
+    "tracking": _Study("tracking_jitter.json", lambda s: {"duration_s": max(6.0, 30.0 * s)}),
+    "combo": _Study("combo.json", lambda s: {"seeds": max(2, round(20 * s))}),
+    "fallback": _Study("fallback.json", lambda s: {"runs": max(1, round(20 * s))}, threaded=False),
+    "levels": _Study("levels.json", lambda s: {"runs": max(2, round(16 * s))}, threaded=False),
+    "bcnav1": _Study("bcnav1.json", lambda s: {"frames": max(100, round(2000 * s))}),
+    "speed": _Study("speed.json", lambda s: {"repeats": max(3, round(25 * s))}, threaded=False),
 }
-"""Name of a study, and the file that it writes last."""
+"""Every study, by name."""
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
@@ -46,7 +69,7 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
     folder = arguments.output or Path("out/validate")
     if folder.exists() and not folder.is_dir():
         raise OutputError(f"{folder}: is not a folder; name another with -o")
-    if (folder / STUDIES[arguments.study]).exists() and not arguments.force:
+    if (folder / STUDIES[arguments.study].last).exists() and not arguments.force:
         raise OutputError(f"{folder}: holds such results already; add --force to replace them")
     with ui.stages(f"Measuring {arguments.study}") as progress:
         result = _study(arguments, folder, progress)
@@ -64,46 +87,15 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
     return Outcome({"study": arguments.study, "output": folder, **result}, render)
 
 
-def _study(  # noqa: PLR0911 - one return for each study
-    arguments: argparse.Namespace, folder: Path, progress: Any
-) -> dict[str, Any]:
-    share = arguments.scale / 100
-    if arguments.study == "acquisition":
-        from sdr_spoof.studies import acquisition  # noqa: PLC0415 - scipy is slow to import
-
-        return acquisition.run(
-            folder,
-            searches=max(100, round(4000 * share)),
-            trials=max(10, round(240 * share)),
-            threads=arguments.threads or 2,
-            progress=progress,
-        )
-    if arguments.study == "speed":
-        from sdr_spoof.studies import speed  # noqa: PLC0415
-
-        return speed.run(folder, repeats=max(3, round(25 * share)), progress=progress)
-    if arguments.study == "combo":
-        from sdr_spoof.studies import combo  # noqa: PLC0415
-
-        seeds = max(2, round(20 * share))
-        return combo.run(folder, seeds=seeds, threads=arguments.threads, progress=progress)
-    if arguments.study == "bcnav1":
-        from sdr_spoof.studies import bcnav1  # noqa: PLC0415
-
-        frames = max(100, round(2000 * share))
-        return bcnav1.run(folder, frames=frames, threads=arguments.threads, progress=progress)
-    if arguments.study == "fallback":
-        from sdr_spoof.studies import fallback  # noqa: PLC0415
-
-        return fallback.run(folder, runs=max(1, round(20 * share)), progress=progress)
-    if arguments.study == "levels":
-        from sdr_spoof.studies import levels  # noqa: PLC0415
-
-        return levels.run(folder, runs=max(2, round(16 * share)), progress=progress)
-    from sdr_spoof.studies import tracking  # noqa: PLC0415
-
-    duration_s = max(6.0, 30.0 * share)
-    return tracking.run(folder, duration_s=duration_s, threads=arguments.threads, progress=progress)
+def _study(arguments: argparse.Namespace, folder: Path, progress: Any) -> dict[str, Any]:
+    study = STUDIES[arguments.study]
+    # Only now: what the studies need is slow to import.
+    module = import_module(f"sdr_spoof.studies.{arguments.study}")
+    sizes: dict[str, Any] = study.sizes(arguments.scale / 100)
+    if study.threaded:
+        sizes["threads"] = arguments.threads or os.cpu_count() or 1
+    found: dict[str, Any] = module.run(folder, progress=progress, **sizes)
+    return found
 
 
 COMMAND = Command(

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from ..signals import signal_spec
+from .. import _core
+from ..signals import satellite_name, signal_spec
 from .records import Anchor, Frame
 from .symbols import code_phase_at
 from .time import GnssTime
@@ -66,19 +69,65 @@ def _joined(groups: list[list[Frame]]) -> list[list[Frame]]:
     return joined
 
 
+def jumps(found: Sequence[Anchor]) -> list[str]:
+    """Sentences on the jumps between the anchors of one unbroken stretch."""
+    notes = []
+    for a, b in pairwise(found):
+        name = satellite_name(signal_spec(a.signal).system, a.prn)
+        jump = b.transmitted - at(a, b.code_phase_chips)
+        notes.append(
+            f"{name} {a.signal}: its time jumps by {jump:+.3f} s between {a.until_s:.1f} and "
+            f"{b.from_s:.1f} s, as if samples were missing from the recording"
+        )
+    return notes
+
+
+def shows_symbols(stretch: Stretch) -> bool:
+    """Whether a signal's code shows where its symbols begin, so that no gap can hide it.
+
+    Where a symbol is several periods of a plain code, as in L1 C/A and D2, missing samples may
+    shift the symbols against the count of periods, and the time after them is not known exactly.
+    """
+    periods = _core.periods_per_symbol(stretch.signal, stretch.prn)
+    return periods == 1 or len(_core.secondary_chips(stretch.signal, stretch.prn)) > 0
+
+
 def at(anchor: Anchor, code_phase_chips: float) -> GnssTime:
     """When a code phase left the satellite."""
     later = code_phase_chips - anchor.code_phase_chips
     return anchor.transmitted + later / signal_spec(anchor.signal).chip_rate_hz
 
 
-def from_other(
+def from_others(
+    stretch: Stretch, track: SignalTrack, others: Sequence[tuple[Anchor, SignalTrack]]
+) -> list[Anchor]:
+    """Anchors of a stretch from those of other signals of the satellite at the same time.
+
+    One for all of the stretch; where they tell of a jump in time, each as far as the other holds.
+    """
+    found: list[tuple[Anchor, Anchor]] = []
+    for other, other_track in others:
+        anchor = _from_other(stretch, track, other, other_track)
+        if anchor is not None:
+            found.append((anchor, other))
+    if not found:
+        return []
+    first = found[0][0]
+    if all(abs(at(a, first.code_phase_chips) - first.transmitted) < AGREE_S for a, _ in found):
+        return [first]
+    return [
+        replace(a, from_s=max(a.from_s, o.from_s), until_s=min(a.until_s, o.until_s))
+        for a, o in found
+    ]
+
+
+def _from_other(
     stretch: Stretch, track: SignalTrack, anchor: Anchor, other: SignalTrack
 ) -> Anchor | None:
-    """Anchor of a stretch from that of another signal of the satellite at the same time.
+    """Anchor of a stretch from another signal's; None where they do not overlap.
 
     Signals of one satellite leave together and arrive together to far below half a code period;
-    their codes begin at whole multiples of their periods. None where they do not overlap.
+    their codes begin at whole multiples of their periods.
     """
     begin, end = max(stretch.from_s, anchor.from_s), min(stretch.until_s, anchor.until_s)
     if begin >= end:

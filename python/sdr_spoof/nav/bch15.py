@@ -119,7 +119,7 @@ def _syndromes(blocks: NDArray[np.uint8]) -> NDArray[np.int64]:
 
 def _patterns() -> list[NDArray[np.uint8]]:
     """Errors of up to three bits, by the syndrome that they cause; the fewest first."""
-    sets = [c for size in range(4) for c in combinations(range(LENGTH), size)]
+    sets = [c for size in range(MOST_ERRORS + 1) for c in combinations(range(LENGTH), size)]
     patterns = np.zeros((len(sets), LENGTH), np.uint8)
     for row, places in zip(patterns, sets, strict=True):
         row[list(places)] = 1
@@ -127,6 +127,7 @@ def _patterns() -> list[NDArray[np.uint8]]:
     return [patterns[syndromes == s] for s in range(16)]
 
 
+MOST_ERRORS = 3
 PATTERNS = _patterns()
 
 
@@ -141,5 +142,5 @@ def _most_likely(
         costs = (weight[rows] @ patterns.T).astype(np.float64)
         best = costs.argmin(axis=1)
         errors[rows] = patterns[best]
-        doubtful[rows] = doubt(costs, noise)
+        doubtful[rows] = doubt(costs, weight[rows], MOST_ERRORS + 1, noise)
     return errors, doubtful

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Anchor", "Frame", "Navigation", "decode", "decode_runs"]
 
+LENDINGS = 2
+"""A pilot that outlives the signal whose message dated it dates that one again."""
+
 
 @dataclass(frozen=True)
 class _Decoded:
@@ -40,8 +43,10 @@ def decode(log: TrackLog, near: GnssTime | None = None) -> Navigation:
     """
     decoded = [d for track in log.signals for d in _decoded(track, near)]
     navigation = _navigation(decoded, near)
-    borrowed = _borrowed(log, navigation.anchors)
-    return replace(navigation, anchors=(*navigation.anchors, *borrowed))
+    found = navigation.anchors
+    for _ in range(LENDINGS):
+        found = (*found, *_borrowed(log, found))
+    return replace(navigation, anchors=found)
 
 
 def decode_runs(runs: Iterable[SymbolRun], near: GnssTime | None = None) -> Navigation:
@@ -59,7 +64,11 @@ def decode_runs(runs: Iterable[SymbolRun], near: GnssTime | None = None) -> Navi
 def _navigation(decoded: list[_Decoded], near: GnssTime | None) -> Navigation:
     decoded, notes = _with_weeks(decoded, near)
     notes += _disagreements(decoded)
-    found = [a for d in decoded for a in anchors.from_frames(d.frames, d.stretch)]
+    found = []
+    for d in decoded:
+        own = anchors.from_frames(d.frames, d.stretch)
+        notes += anchors.jumps(own)
+        found += own if anchors.shows_symbols(d.stretch) else own[:1]
     frames = tuple(sorted((f for d in decoded for f in d.frames), key=lambda f: f.time_s))
     contents, more = _contents(frames)
     return Navigation(**vars(contents), frames=frames, anchors=tuple(found), notes=(*notes, *more))
@@ -129,11 +138,9 @@ def _borrowed(log: TrackLog, known: tuple[Anchor, ...]) -> list[Anchor]:
         for stretch in stretches_of(track) if others else ():
             if any(a.from_s < stretch.until_s and stretch.from_s < a.until_s for a in own):
                 continue
-            for other in others:
-                found = anchors.from_other(stretch, track, other, tracks[other.signal, other.prn])
-                if found is not None:
-                    borrowed.append(found)
-                    break
+            borrowed += anchors.from_others(
+                stretch, track, [(a, tracks[a.signal, a.prn]) for a in others]
+            )
     return borrowed
 
 

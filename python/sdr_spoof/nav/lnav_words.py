@@ -145,9 +145,5 @@ def _most_likely(
         best = costs.argmin(axis=1)
         errors[rows] = patterns[best].astype(np.uint8)
         # Beyond the patterns: at least four errors where parity holds, three where it does not.
-        lowest = np.partition(weight[rows], 4, axis=1)
-        more = lowest[:, : 4 if kind == 0 else 3].sum(axis=1, dtype=np.float64)
-        # That sum is the lowest that there can be, and may be below the best pattern.
-        more = np.maximum(more, costs.min(axis=1))
-        doubtful[rows] = doubt(np.concatenate([costs, more[:, None]], axis=1), noise)
+        doubtful[rows] = doubt(costs, weight[rows], 4 if kind == 0 else 3, noise)
     return errors, doubtful

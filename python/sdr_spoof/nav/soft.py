@@ -9,17 +9,28 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+BURST_SYMBOLS = 150
+LEAST_NOISE = 0.01
+UNCERTAIN = 0.4
+"""Symbols are weaker than others where less than this of their certainty is left; what is more is
+not told from chance."""
 SURPRISE = 1e-8
 """Chance, word by word, of something other than Gaussian noise: a half-cycle slip, interference."""
 
 
-def doubt(costs: NDArray[np.float64], noise: float) -> NDArray[np.float64]:
+def doubt(
+    costs: NDArray[np.float64], weight: NDArray[np.float32], more: int, noise: float
+) -> NDArray[np.float64]:
     """Probability (N,) that the cheapest of several explanations (N, K) of a word is wrong.
 
-    A cost is the sum of the magnitudes of the symbols of amplitude 1 that would be wrong: in noise
-    of variance s^2, errors of cost c have the weight exp(-2 c / s^2).
+    A cost is the sum of the magnitudes ``weight`` (N, symbols) of the symbols of amplitude 1 that
+    would be wrong: in noise of variance s^2, errors of cost c have the weight exp(-2 c / s^2).
+    Those of ``more`` symbols or beyond are not among the explanations; they count as if the weakest
+    symbols were wrong, or as the cheapest explanation if that costs more.
     """
     least = costs.min(axis=1, initial=np.inf)
+    weakest = np.partition(weight, more, axis=1)[:, :more].sum(axis=1, dtype=np.float64)
+    costs = np.concatenate([costs, np.maximum(weakest, least)[:, None]], axis=1)
     exponents = -2.0 * (costs - least[:, None]) / noise**2
     others = np.exp(np.maximum(exponents, -700.0)).sum(axis=1) - 1.0
     others += SURPRISE * np.exp(np.minimum(2.0 * least / noise**2, 700.0))
@@ -29,12 +40,37 @@ def doubt(costs: NDArray[np.float64], noise: float) -> NDArray[np.float64]:
 def amplitude_and_noise(values: NDArray[np.float32]) -> tuple[float, float]:
     """Amplitude, and standard deviation of the noise, of symbols +-A in Gaussian noise.
 
-    From the second and fourth moments: M2 = A^2 + s^2, 3 M2^2 - M4 = 2 A^4. Missing ones (0) are
-    left out. Without any signal the amplitude is 0.
+    Missing ones (0) are left out. Without any signal the amplitude is 0.
     """
     present = values[values != 0].astype(np.float64)
     if not present.size:
         return 0.0, 1.0
-    second, fourth = float(np.mean(present**2)), float(np.mean(present**4))
-    power = min(np.sqrt(max(3 * second**2 - fourth, 0.0) / 2), second)
-    return float(np.sqrt(power)), float(np.sqrt(second - power))
+    power, noise = _moments(present[None])
+    return float(np.sqrt(power[0])), float(np.sqrt(noise[0]))
+
+
+def _moments(values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """A^2 and s^2 of rows by second and fourth moments: M2 = A^2 + s^2, 3 M2^2 - M4 = 2 A^4."""
+    squares = values**2
+    second, fourth = squares.mean(axis=1), (squares**2).mean(axis=1)
+    power = np.minimum(np.sqrt(np.maximum(3 * second**2 - fourth, 0.0) / 2), second)
+    return power, second - power
+
+
+def weighted(values: NDArray[np.float32], noise: float) -> NDArray[np.float32]:
+    """Symbols of amplitude 1; those in bursts of noise and fades are made as uncertain as they are.
+
+    The certainty of a symbol y is 2 A y / s^2; decoders take A = 1 and s = ``noise`` throughout.
+    """
+    count = values.size // BURST_SYMBOLS
+    if count < 2:
+        return values
+    rows = values[: count * BURST_SYMBOLS].reshape(count, BURST_SYMBOLS).astype(np.float64)
+    power, variance = _moments(rows)
+    share = (noise**2 + LEAST_NOISE**2) * np.sqrt(power) / (variance + LEAST_NOISE**2)
+    share[share > UNCERTAIN] = 1.0
+    share = np.concatenate([share, share[-1:]])
+    around = np.minimum(share, np.minimum(np.roll(share, 1), np.roll(share, -1)))
+    around[0], around[-1] = min(share[:2]), min(share[-2:])
+    weights = np.repeat(around, BURST_SYMBOLS)[: values.size]
+    return np.asarray(values * weights, dtype=np.float32)

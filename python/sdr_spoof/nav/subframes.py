@@ -12,7 +12,7 @@ import numpy as np
 from ..errors import NavigationError
 from .bits import PAGE_BITS
 from .records import Frame
-from .soft import amplitude_and_noise
+from .soft import amplitude_and_noise, weighted
 from .sync import find, windows
 from .time import WEEK_S, GnssTime
 from .weeks import full_week, nearest
@@ -122,7 +122,7 @@ class SubframeMessage(ABC):
         if amplitude == 0.0:
             return []
         noise /= amplitude
-        values = (run.values / amplitude).astype(np.float32)
+        values = weighted((run.values / amplitude).astype(np.float32), noise)
         found = find(values, self.framing(noise))
         if not found:
             return []

@@ -7,7 +7,7 @@ ephemerides come from elsewhere. 10 ms of signal are enough.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
     from .ephemerides import Choice
     from .solution import Layout
+
+    Found = tuple[int, list[float], float, list[float], list[float], float, int, int | None]
 
 LIGHT_M_S = 299_792_458.0
 TOLD_APART = 1e-3
@@ -82,7 +84,8 @@ def snapshot(
     """A single fix from code phases, Earth-fixed place (3,) and GPST of the snapshot.
 
     Place and time may be off by what the configuration says. ``clock_m`` of the fix is how much
-    ``time`` is ahead, so that :meth:`Fixes.time` gives the time found. The status is UNCHECKED
+    ``time`` is ahead, so that :meth:`Fixes.time` gives the time found. One satellite that
+    contradicts all others is left out (``raim_exclusions`` permitting). The status is UNCHECKED
     where there are only as many satellites as unknowns (5, or 6 with two systems), or where
     another place fits too.
 
@@ -165,46 +168,71 @@ def _fixes(
     cause: NDArray[np.uint8],
     layout: Layout,
     chosen: Sequence[int],
-    found: tuple[int, list[float], float, list[float], list[float], float, int] | None,
+    found: Found | None,
 ) -> Fixes:
-    signals, systems = len(observations.signals), len(layout.systems)
-    residual, angles = np.full((1, signals), np.nan), np.full((1, signals, 2), np.nan)
-    status, place, time_s = int(Status.NO_FIX), [np.nan] * 3, np.nan
-    covariance, square_sum, freedom = np.full((4, 4), np.nan), np.nan, 0
+    signals = len(observations.signals)
+    columns, angles = _nothing(signals, layout), np.full((1, signals, 2), np.nan)
     cause = cause.copy()
     if found is None:
         cause[0, chosen] = Cause.NO_FIX
     else:
-        status, place, time_s, flat, left, square_sum, freedom = found
-        covariance = np.array(flat).reshape(4, 4)
-        residual[0, chosen] = left
+        left = np.array(found[4])
         cause[0, chosen] = np.where(np.isfinite(left), Cause.USED, Cause.LOW)
-        known = np.flatnonzero(choice.known[0] >= 0)
-        sent_s = np.full(known.size, time_s - TRAVEL_S)
-        seen = states(choice.ephemerides, choice.known[0, known], sent_s, observations.reference)
-        angles[0, known] = azimuth_elevation(place, seen.position_m)
-    satellites = {layout.columns[k][0] for k in chosen}
+        cause[0, [k for k in chosen if layout.columns[k][0] == found[7]]] = Cause.RESIDUAL
+        columns |= _found(found, chosen, columns)
+        angles = _directions(choice, observations.reference + found[2], found[1])
     return Fixes(
         reference=observations.reference,
         time_s=observations.time_s,
         signals=observations.signals,
         systems=layout.systems,
-        status=np.array([status], np.uint8),
-        failure=np.array([TOO_FEW if found is None else 0], np.uint8),
-        position_m=np.array([place]),
-        velocity_m_s=np.full((1, 3), np.nan),
-        clock_m=np.full((1, systems), -LIGHT_M_S * time_s),
-        drift_m_s=np.full(1, np.nan),
         biases=layout.names,
-        bias_m=np.full((1, len(layout.groups)), np.nan),
-        covariance_m2=covariance[None, :3, :3],
-        velocity_covariance=np.full((1, 3, 3), np.nan),
-        dop=np.full((1, 5), np.nan),
         cause=cause,
-        residual_m=residual,
         azimuth_deg=angles[..., 0],
         elevation_deg=angles[..., 1],
-        square_sum=np.array([square_sum]),
-        freedom=np.array([freedom], np.int64),
-        usable=np.array([len(satellites)], np.int64),
+        usable=np.array([len({layout.columns[k][0] for k in chosen})], np.int64),
+        **columns,
     )
+
+
+def _nothing(signals: int, layout: Layout) -> dict[str, NDArray[Any]]:
+    """Columns of one epoch without a fix."""
+    widths = {"position_m": 3, "velocity_m_s": 3, "dop": 5, "residual_m": signals}
+    widths |= {"clock_m": len(layout.systems), "bias_m": len(layout.groups)}
+    squares = dict.fromkeys(("covariance_m2", "velocity_covariance"), (1, 3, 3))
+    numbers = dict.fromkeys(("drift_m_s", "square_sum"), (1,))
+    shapes = {name: (1, width) for name, width in widths.items()} | squares | numbers
+    return {name: np.full(shape, np.nan) for name, shape in shapes.items()} | {
+        "status": np.array([Status.NO_FIX], np.uint8),
+        "failure": np.array([TOO_FEW], np.uint8),
+        "freedom": np.zeros(1, np.int64),
+    }
+
+
+def _found(
+    found: Found, chosen: Sequence[int], empty: dict[str, NDArray[Any]]
+) -> dict[str, NDArray[Any]]:
+    """Columns that a snapshot tells."""
+    status, place, time_s, covariance, left, square_sum, freedom, _ = found
+    residual = empty["residual_m"].copy()
+    residual[0, chosen] = left
+    return {
+        "status": np.array([status], np.uint8),
+        "failure": np.zeros(1, np.uint8),
+        "position_m": np.array([place]),
+        "clock_m": np.full_like(empty["clock_m"], -LIGHT_M_S * time_s),
+        "covariance_m2": np.array(covariance).reshape(1, 4, 4)[:, :3, :3],
+        "residual_m": residual,
+        "square_sum": np.array([square_sum]),
+        "freedom": np.array([freedom], np.int64),
+    }
+
+
+def _directions(choice: Choice, time: GnssTime, place: Sequence[float]) -> NDArray[np.float64]:
+    """Azimuth and elevation (1, S, 2) of what has an ephemeris."""
+    angles = np.full((*choice.known.shape, 2), np.nan)
+    known = np.flatnonzero(choice.known[0] >= 0)
+    sent_s = np.full(known.size, -TRAVEL_S)
+    seen = states(choice.ephemerides, choice.known[0, known], sent_s, time)
+    angles[0, known] = azimuth_elevation(place, seen.position_m)
+    return angles

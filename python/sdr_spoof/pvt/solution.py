@@ -35,6 +35,8 @@ COLUMNS = (
     *("covariance_m2", "velocity_covariance", "dop", "residual_m", "square_sum", "freedom"),
 )
 """Of a fix, as the core gives them."""
+FARTHEST_M = 1e9
+"""Pseudoranges beyond are none: receiver clocks are set to far better than 3 s."""
 TRAVEL_S = 0.075
 """About what signals take; directions change by 1e-5 rad in that time."""
 
@@ -98,12 +100,13 @@ def solve(
 def causes(observations: Observations, choice: Choice, config: PvtConfig) -> NDArray[np.uint8]:
     """Why signals cannot be used (E, S), the strongest reason last; USED where they can."""
     cause = choice.cause.copy()
-    cause[observations.cn0_dbhz < config.min_cn0_dbhz] = Cause.WEAK
+    # Written so that a C/N0 that is not a number fails.
+    cause[~(observations.cn0_dbhz >= config.min_cn0_dbhz)] = Cause.WEAK
     bad = choice.cause != Cause.USED
     cause[bad] = choice.cause[bad]
     cause[observations.spoofed] = Cause.SPOOFED
     cause[:, [not _wanted(s, config) for s in observations.signals]] = Cause.NOT_WANTED
-    cause[~np.isfinite(observations.pseudorange_m)] = Cause.NOT_OBSERVED
+    cause[~(np.abs(observations.pseudorange_m) < FARTHEST_M)] = Cause.NOT_OBSERVED
     return cause
 
 

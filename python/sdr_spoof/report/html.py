@@ -13,6 +13,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 from sdr_spoof.detectors import DetectionConfig
 from sdr_spoof.errors import OutputError
 from sdr_spoof.fusion import share_of
+from sdr_spoof.positioning import Located
 from sdr_spoof.records import Acquisition, Alarm, SatelliteVerdict, TrackLog, Verdict
 from sdr_spoof.report import words
 from sdr_spoof.report.evidence import EvidenceBook
@@ -23,6 +24,7 @@ from sdr_spoof.report.figures.satellite import draw_satellite
 from sdr_spoof.report.figures.signals import draw_acquisition, draw_cn0
 from sdr_spoof.report.figures.spectrum import draw_spectrum
 from sdr_spoof.report.figures.truth import TruthMark
+from sdr_spoof.report.position import draw_position
 from sdr_spoof.report.spectrum import RecordingLike, estimate_spectrum
 from sdr_spoof.satellites import tracks_of
 from sdr_spoof.sinks.atomic import replacing
@@ -48,13 +50,15 @@ def write_report(
     detection: DetectionConfig,
     effective_config: Mapping[str, object] | None = None,
     truth: TruthMark | None = None,
+    located: Located | None = None,
+    why_not_located: str = "",
     force: bool = False,
 ) -> Path:
     """Writes the report; the same input gives the same bytes.
 
     ``recording`` is read for the spectrum and may be None; ``effective_config`` is the (nested)
-    configuration of the whole run. Raises OutputError if the file exists (unless ``force``) or
-    cannot be written.
+    configuration of the whole run; ``why_not_located`` says why there are no
+    positions. Raises OutputError if the file exists (unless ``force``) or cannot be written.
     """
     path = Path(path)
     if path.exists() and not force:
@@ -86,6 +90,7 @@ def write_report(
         verdicts=verdicts,
         overviews=[(s, tests.overviews[s.system, s.prn]) for s in ordered if _on_top(s, ordered)],
         details=list(_details(ordered[:MOST_DETAILS], log, tests)),
+        position=draw_position(located, why_not_located),
         left_out=[words.satellite_name(s.system, s.prn) for s in ordered[MOST_DETAILS:]],
         config=list(flatten(effective_config or {"detection": detection.model_dump()})),
         versions=[(name, version(name)) for name in LIBRARIES]

@@ -131,7 +131,9 @@ class _Files:
         if self._raw:
             self.meta.write_text(_sidecar(format, partial), encoding="utf-8")
         else:
-            write_meta(self.stem, format, {"synthetic": True, "partial": partial})
+            extra = {"synthetic": True, "partial": partial}
+            start = scenario.sky.start_time.utc() if scenario.sky is not None else None
+            write_meta(self.stem, format, extra, start)
         text = json.dumps(truth(scenario, sample_count=count))
         self.truth.write_text(text + "\n", encoding="utf-8")
         os.replace(self.partial, self.data)

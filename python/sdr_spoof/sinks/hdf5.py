@@ -4,8 +4,9 @@ Layout: ``/`` holds ``partial`` and ``format_version``; ``/recording`` the forma
 ``/config`` the effective configuration (JSON); ``/acquisitions`` one column per field;
 ``/tracks/<signal>_<prn>`` and ``/combos/<lower>_<upper>_<prn>`` one column per field, one row per
 epoch;
-``/second_peaks`` one column per field, one row per search;
-``/verdict`` with tables of satellites and alarms. Every dataset has the attribute ``units``
+``/second_peaks`` one column per field, one row per search; ``/verdict`` with tables of satellites
+and alarms; ``/navigation``, ``/observations`` and ``/fixes`` as :mod:`.hdf5_nested` has it. Every
+dataset has the attribute ``units``
 ("1" where it has none). No dates are stored.
 """
 
@@ -13,6 +14,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,16 +33,23 @@ from sdr_spoof.sources import RecordingFormat
 
 from . import hdf5_records as records
 from .atomic import replacing
+from .hdf5_classes import CLASSES
 from .hdf5_file import new_file
+from .hdf5_nested import read_nested, write_nested
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from pydantic import BaseModel
 
+    from sdr_spoof.fixes import Fixes
+    from sdr_spoof.nav.records import Navigation
+    from sdr_spoof.observations import Observations
     from sdr_spoof.sources import Recording
 
 _VERSION = 1
+NESTED = ("navigation", "observations", "fixes")
+"""Results of positioning: groups of nested records."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +64,11 @@ class Result:
     acquisitions: tuple[Acquisition, ...] = ()
     log: TrackLog | None = None
     verdict: Verdict | None = None
+    navigation: Navigation | None = None
+    observations: Observations | None = None
+    fixes: Fixes | None = None
+    start: datetime | None = None
+    """UTC of the first sample, where it is known."""
 
     @classmethod
     def of(
@@ -65,10 +79,13 @@ class Result:
         acquisitions: Sequence[Acquisition] = (),
         log: TrackLog | None = None,
         verdict: Verdict | None = None,
+        **located: Any,
     ) -> Result:
-        """Gather the result of processing a recording."""
+        """Gather the result of processing a recording; ``located`` as the fields below."""
         plain = config.model_dump(mode="json")
-        return cls(recording.path.name, recording.format, plain, tuple(acquisitions), log, verdict)
+        found = {"acquisitions": tuple(acquisitions), "log": log, "verdict": verdict, **located}
+        name, form = recording.path.name, recording.format
+        return cls(name, form, plain, start=recording.start, **found)
 
     @property
     def partial(self) -> bool:
@@ -109,12 +126,17 @@ def _write(file: h5py.File, result: Result) -> None:
     recording = file.create_group("recording")
     records.write_text(recording, "name", result.recording)
     records.write_text(recording, "format", json.dumps(result.format.model_dump()))
+    if result.start is not None:
+        records.write_text(recording, "start", result.start.isoformat())
     records.write_text(file, "config", json.dumps(result.config, sort_keys=True))
     records.write_rows(file.create_group("acquisitions"), Acquisition, result.acquisitions)
     if result.log is not None:
         _write_log(file, result.log)
     if result.verdict is not None:
         records.write_verdict(file.create_group("verdict"), result.verdict)
+    for name in NESTED:
+        if getattr(result, name) is not None:
+            write_nested(file.create_group(name, track_order=True), getattr(result, name))
 
 
 def _write_log(file: h5py.File, log: TrackLog) -> None:
@@ -140,9 +162,13 @@ def _read(file: h5py.File) -> Result:
         recording=records.read_text(file["recording/name"]),
         format=format,
         config=json.loads(records.read_text(file["config"])),
+        start=datetime.fromisoformat(records.read_text(file["recording/start"]))
+        if "start" in file["recording"]
+        else None,
         acquisitions=tuple(records.read_rows(file["acquisitions"], Acquisition)),
         log=_read_log(file) if "log" in file else None,
         verdict=records.read_verdict(file["verdict"]) if "verdict" in file else None,
+        **{name: read_nested(file[name], CLASSES) for name in NESTED if name in file},
     )
 
 

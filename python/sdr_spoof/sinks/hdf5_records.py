@@ -20,6 +20,10 @@ Record = TypeVar("Record")
 AnyTrack = TypeVar("AnyTrack", bound=Track)
 
 UNITS = {
+    "_m_s": "m/s",
+    "_hz_s": "Hz/s",
+    "_deg": "deg",
+    "_rad": "rad",
     "_dbhz": "dB-Hz",
     "_hz": "Hz",
     "_s": "s",

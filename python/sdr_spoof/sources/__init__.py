@@ -54,7 +54,7 @@ def open_recording(
             f"{description.origin}: {', '.join(missing)} not known; {description.hint}"
         )
     model = validated(RecordingFormat, values, _origin(description, given))
-    return scaled(Recording(description.data, model, description.extra))
+    return scaled(Recording(description.data, model, description.extra, description.start))
 
 
 def _origin(description: Description, given: dict[str, Any]) -> Callable[[Location], str]:

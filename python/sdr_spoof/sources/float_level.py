@@ -38,7 +38,7 @@ def scaled(recording: Recording) -> Recording:
         )
     # Three digits, so that it reads well where it is shown.
     form = form.model_copy(update={"float_scale": float(f"{TARGET_RMS / rms:.3g}")})
-    return Recording(recording.path, form, recording.extra)
+    return Recording(recording.path, form, recording.extra, recording.start)
 
 
 def _measured(recording: Recording) -> int:

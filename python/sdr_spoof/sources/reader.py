@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from datetime import datetime
     from pathlib import Path
 
 
@@ -25,6 +26,8 @@ class Description:
     hint: str = ""
     """How to give the values that the file does not tell."""
     extra: dict[str, Any] = field(default_factory=dict)
+    start: datetime | None = None
+    """UTC of the first sample, where the file tells it."""
 
 
 @dataclass(frozen=True)

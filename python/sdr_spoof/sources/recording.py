@@ -17,6 +17,7 @@ from sdr_spoof.raw_files import read_all
 from sdr_spoof.signals import signal_ids, signal_spec
 
 if TYPE_CHECKING:
+    from datetime import datetime
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -32,10 +33,15 @@ class Recording:
         format: how to read it.
         sample_count: whole samples in the file.
         extra: what its metadata says beyond the format (own namespace keys of SigMF).
+        start: UTC of the first sample, None where the metadata does not tell it.
     """
 
     def __init__(
-        self, path: Path, format: RecordingFormat, extra: dict[str, object] | None = None
+        self,
+        path: Path,
+        format: RecordingFormat,
+        extra: dict[str, object] | None = None,
+        start: datetime | None = None,
     ) -> None:
         """Open the file.
 
@@ -45,6 +51,7 @@ class Recording:
         self.path = path
         self.format = format
         self.extra = dict(extra or {})
+        self.start = start
         self._bits = format.bits_per_sample
         check_file(path)
         size = path.stat().st_size - format.offset_bytes

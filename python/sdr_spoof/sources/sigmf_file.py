@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import json
 import warnings
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -57,11 +58,15 @@ def describe(path: Path) -> Description:
     values |= {k: own.pop(k) for k in _OWN_FIELDS if k in own}
     data = meta.with_name(header.get("core:dataset", meta.with_suffix(DATA).name))
     hint = "give the missing values as flags, e.g. --lo-hz, or add sdr_spoof:lo_hz to the metadata"
-    return Description(data, str(meta), values, hint=hint, extra=own)
+    start = _start(meta, capture.get("core:datetime"))
+    return Description(data, str(meta), values, hint=hint, extra=own, start=start)
 
 
 def write_meta(
-    stem: Path | str, format: RecordingFormat, extra: dict[str, Any] | None = None
+    stem: Path | str,
+    format: RecordingFormat,
+    extra: dict[str, Any] | None = None,
+    start: datetime | None = None,
 ) -> Path:
     """Write ``<stem>.sigmf-meta`` for samples in ``<stem>.sigmf-data``; replaces an older one.
 
@@ -70,6 +75,7 @@ def write_meta(
         format: format of the samples.
         extra: more global fields, written as ``sdr_spoof:<key>``; any JSON value. ``description``
             becomes ``core:description``.
+        start: UTC of the first sample, where it is known.
 
     Raises:
         ConfigError: a 2-bit format, which SigMF does not know.
@@ -82,6 +88,9 @@ def write_meta(
     capture: dict[str, Any] = {"core:frequency": sum(format.band_hz) / 2}
     if format.offset_bytes:
         capture["core:header_bytes"] = format.offset_bytes
+    if start is not None:
+        text = start.astimezone(UTC).isoformat(timespec="microseconds")
+        capture["core:datetime"] = text.replace("+00:00", "Z")
     file.add_capture(0, metadata=capture)
     file.validate()
     try:
@@ -143,6 +152,17 @@ def _load(meta: Path, asked: Path) -> tuple[dict[str, Any], dict[str, Any]]:
         raise RecordingError(f"{meta}: more than one channel; split the recording first")
     captures = file.get_captures()
     return header, (captures[0] if captures else {})
+
+
+def _start(meta: Path, text: object) -> datetime | None:
+    """UTC of the first sample; SigMF has it as ISO 8601, and as UTC where no zone is given."""
+    if text is None:
+        return None
+    try:
+        date = datetime.fromisoformat(str(text))
+    except ValueError as error:
+        raise RecordingError(f"{meta}: core:datetime '{text}' is not a date: {error}") from error
+    return date.replace(tzinfo=UTC) if date.tzinfo is None else date.astimezone(UTC)
 
 
 def _sample_format(meta: Path, datatype: object) -> str:

@@ -5,12 +5,14 @@ use numpy::{IntoPyArray, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use sdr_spoof_core::nav_math::batch::{Batch, Column, Epochs, Filter, Fix};
+use sdr_spoof_core::nav_math::batch::{Batch, Column, Epochs, Filter};
 use sdr_spoof_core::nav_math::ekf::EkfSettings;
+use sdr_spoof_core::nav_math::fix::Fix;
 use sdr_spoof_core::nav_math::ionosphere::Ionosphere;
 use sdr_spoof_core::nav_math::least_squares::Failure;
 use sdr_spoof_core::nav_math::measurement::Settings;
-use sdr_spoof_core::nav_math::snapshot::{CodePhase, Problem, Search};
+use sdr_spoof_core::nav_math::search::Search;
+use sdr_spoof_core::nav_math::snapshot::{CodePhase, Problem};
 
 use crate::navigation::orbits;
 use crate::to_py;
@@ -193,7 +195,8 @@ type PhaseTuple = (usize, usize, usize, f64, usize, f64, f64, f64);
 
 /// Place and time from code phases; None where there is none.
 ///
-/// Gives status, place (3), time, covariance of both (4 x 4), residuals, square sum and freedom.
+/// Gives status, place (3), time, covariance of both (4 x 4), residuals, square sum, freedom and the
+/// satellite left out.
 #[pyfunction]
 #[pyo3(signature = (table, reference_s, phases, settings_values, place_m, time_s,
                     place_uncertainty_m, time_uncertainty_s))]
@@ -208,7 +211,18 @@ fn solve_snapshot<'py>(
     time_s: f64,
     place_uncertainty_m: f64,
     time_uncertainty_s: f64,
-) -> PyResult<Option<(u8, [f64; 3], f64, Vec<f64>, Vec<f64>, f64, usize)>> {
+) -> PyResult<
+    Option<(
+        u8,
+        [f64; 3],
+        f64,
+        Vec<f64>,
+        Vec<f64>,
+        f64,
+        usize,
+        Option<usize>,
+    )>,
+> {
     let (orbits, settings) = (orbits(&table)?, settings(settings_values)?);
     if phases
         .iter()
@@ -243,6 +257,7 @@ fn solve_snapshot<'py>(
             s.residual_m,
             s.square_sum,
             s.freedom,
+            s.excluded,
         )
     }))
 }

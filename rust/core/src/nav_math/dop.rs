@@ -49,3 +49,33 @@ impl Dop {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::RowVector4;
+
+    use super::*;
+
+    /// One satellite at the zenith and three at the horizon, 120 degrees apart.
+    #[test]
+    fn the_textbook_geometry() {
+        let place = Vector3::new(6_378_137.0, 0.0, 0.0);
+        let thirds = [0.0_f64, 120.0, 240.0].map(f64::to_radians);
+        let mut design = DMatrix::from_element(4, 4, 1.0);
+        design
+            .row_mut(0)
+            .copy_from(&RowVector4::new(-1.0, 0.0, 0.0, 1.0));
+        for (row, azimuth) in thirds.iter().enumerate() {
+            let (sin, cos) = azimuth.sin_cos();
+            design
+                .row_mut(row + 1)
+                .copy_from(&RowVector4::new(0.0, -sin, -cos, 1.0));
+        }
+        let dop = Dop::of(&design, 1, place);
+        assert!((dop.hdop - 2.0 / 3_f64.sqrt()).abs() < 1e-12);
+        assert!((dop.vdop - (4.0_f64 / 3.0).sqrt()).abs() < 1e-12);
+        assert!((dop.tdop - (1.0_f64 / 3.0).sqrt()).abs() < 1e-12);
+        assert!((dop.gdop - 3_f64.sqrt()).abs() < 1e-12);
+        assert!(Dop::of(&DMatrix::zeros(4, 4), 1, place).gdop.is_nan());
+    }
+}

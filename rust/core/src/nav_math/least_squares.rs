@@ -109,7 +109,7 @@ impl Solution {
 
     /// Whether a false measurement of any one satellite could show.
     pub fn checkable(&self) -> bool {
-        distinct(&self.satellites) > self.unknowns.satellites()
+        distinct(&self.satellites) > self.unknowns.satellites() && self.freedom() > 0
     }
 
     /// Covariance of the position.

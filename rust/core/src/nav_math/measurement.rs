@@ -95,6 +95,11 @@ pub struct Correction {
 }
 
 impl Settings {
+    /// Largest square sum of some degrees of freedom, one or more.
+    pub fn threshold(&self, freedom: usize) -> f64 {
+        self.thresholds[freedom.min(self.thresholds.len()) - 1]
+    }
+
     /// Corrections at a place, `None` as long as it is not known to within the Earth's vicinity.
     pub fn correction(&self, m: &Measurement, at: Option<Vector3<f64>>, gpst_s: f64) -> Correction {
         let Some(receiver) = at else {

@@ -76,7 +76,7 @@ fn test(solution: &Solution, settings: &Settings) -> Verdict {
     if !solution.checkable() {
         return Verdict::Unchecked;
     }
-    let most = settings.thresholds[solution.freedom().min(settings.thresholds.len()) - 1];
+    let most = settings.threshold(solution.freedom());
     if solution.square_sum() <= most {
         Verdict::Passed
     } else {

@@ -8,22 +8,16 @@
 use nalgebra::{DMatrix, DVector, Matrix4, Vector3};
 use rayon::prelude::*;
 
-use super::batch::{Column, Status};
-use super::geodesy::{enu, WGS84};
+use super::batch::Column;
+use super::fix::Status;
 use super::least_squares::{distinct, inverse_normal, Unknowns};
 use super::measurement::{geometry, range_rate, Correction, Measurement, Settings};
 use super::orbit::Orbit;
+use super::search::{beginnings, Search, Trial};
 use super::SPEED_OF_LIGHT_M_S;
 
 const MOST_STEPS: usize = 15;
 const CONVERGED_M: f64 = 1e-4;
-/// Beginnings lie so far apart that from the nearest one codes of 1 ms are told right: signals on
-/// opposite sides of the sky then differ by 42 km and 12 km each from what is expected, less than
-/// half a period (150 km) together.
-const PLACE_STEP_M: f64 = 60e3;
-const TIME_STEP_S: f64 = 30.0;
-/// A solution may lie so much farther off than the uncertainty says.
-const MARGIN: f64 = 1.5;
 /// Solutions nearer to one another are the same.
 const SAME_PLACE_M: f64 = 1e3;
 /// A typical travel time: satellites move 1 km in its error.
@@ -46,26 +40,13 @@ pub struct CodePhase {
     pub variance: f64,
 }
 
-/// Where and when to search.
-#[derive(Debug, Clone, Copy)]
-pub struct Search {
-    /// Earth-fixed, m.
-    pub place: Vector3<f64>,
-    /// How far off it may be, m.
-    pub place_uncertainty_m: f64,
-    /// Of the snapshot, since the reference of the orbits, s.
-    pub time_s: f64,
-    /// How far off it may be, s.
-    pub time_uncertainty_s: f64,
-    /// GPST of the reference since 1980-01-06, s.
-    pub reference_s: f64,
-}
-
 /// What a snapshot tells.
 #[derive(Debug, Clone)]
 pub struct Snapshot {
     /// Whether its residuals agree, and no other place fits as well.
     pub status: Status,
+    /// Satellite left out because it contradicts the others.
+    pub excluded: Option<usize>,
     /// Earth-fixed, m.
     pub position: Vector3<f64>,
     /// Since the reference, s.
@@ -91,13 +72,6 @@ pub struct Problem<'a> {
     pub settings: &'a Settings,
 }
 
-/// Where a search stands.
-#[derive(Debug, Clone, Copy)]
-struct Trial {
-    place: Vector3<f64>,
-    time_s: f64,
-}
-
 /// Signals above the mask, linearised at a trial.
 struct Linear {
     columns: Vec<usize>,
@@ -109,11 +83,35 @@ struct Linear {
 impl Problem<'_> {
     /// The best place and time; `None` where signals are too few or nothing converges.
     ///
-    /// The beginnings do not depend on one another, nor the choice between them on threads.
+    /// Where the residuals contradict one another, and RAIM may leave a satellite out, all are left
+    /// out in turn: one is, if it alone makes the others agree.
     pub fn solve(&self, search: &Search) -> Option<Snapshot> {
+        let all = self.best(search, None);
+        let fine = all.as_ref().is_some_and(|s| s.status != Status::Suspect);
+        if fine || self.settings.exclusions == 0 {
+            return all;
+        }
+        let mut satellites: Vec<_> = self.phases.iter().map(|p| p.column.satellite).collect();
+        satellites.sort_unstable();
+        satellites.dedup();
+        let sound = |s: &Snapshot| s.status == Status::Fix;
+        let tried = satellites
+            .iter()
+            .filter_map(|s| self.best(search, Some(*s)).filter(sound));
+        let tried: Vec<Snapshot> = tried.collect();
+        match &tried[..] {
+            [one] => Some(one.clone()),
+            _ => all,
+        }
+    }
+
+    /// The best place without one of the satellites.
+    ///
+    /// The beginnings do not depend on one another, nor the choice between them on threads.
+    fn best(&self, search: &Search, excluded: Option<usize>) -> Option<Snapshot> {
         let found: Vec<Snapshot> = beginnings(search)
             .into_par_iter()
-            .filter_map(|trial| self.converge(trial, search))
+            .filter_map(|trial| self.converge(trial, search, excluded))
             .filter(|s| search.holds(s))
             .collect();
         let least = found
@@ -122,6 +120,7 @@ impl Problem<'_> {
         let status = self.verdict(least, &found);
         Some(Snapshot {
             status,
+            excluded,
             ..least.clone()
         })
     }
@@ -131,8 +130,7 @@ impl Problem<'_> {
         if best.freedom == 0 {
             return Status::Unchecked;
         }
-        let thresholds = &self.settings.thresholds;
-        let most = thresholds[best.freedom.min(thresholds.len()) - 1];
+        let most = self.settings.threshold(best.freedom);
         let rival = |s: &Snapshot| {
             s.square_sum <= most && (s.position - best.position).norm() > SAME_PLACE_M
         };
@@ -143,9 +141,14 @@ impl Problem<'_> {
         }
     }
 
-    fn converge(&self, mut trial: Trial, search: &Search) -> Option<Snapshot> {
+    fn converge(
+        &self,
+        mut trial: Trial,
+        search: &Search,
+        excluded: Option<usize>,
+    ) -> Option<Snapshot> {
         for _ in 0..MOST_STEPS {
-            let linear = self.linear(&trial, search.reference_s)?;
+            let linear = self.linear(&trial, search.reference_s, excluded)?;
             let covariance = inverse_normal(&linear.design, &linear.weights)?;
             let weighted = linear.weights.component_mul(&linear.misses);
             let step = &covariance * linear.design.tr_mul(&weighted);
@@ -177,6 +180,7 @@ impl Problem<'_> {
             .for_each(|(k, r)| residual_m[*k] = *r);
         Snapshot {
             status: Status::Unchecked,
+            excluded: None,
             position: trial.place,
             time_s: trial.time_s,
             covariance: covariance.fixed_view::<4, 4>(0, 0).into_owned(),
@@ -190,8 +194,9 @@ impl Problem<'_> {
         }
     }
 
-    fn linear(&self, trial: &Trial, reference_s: f64) -> Option<Linear> {
-        let seen = self.seen(trial, reference_s);
+    fn linear(&self, trial: &Trial, reference_s: f64, excluded: Option<usize>) -> Option<Linear> {
+        let mut seen = self.seen(trial, reference_s);
+        seen.retain(|(m, _)| Some(m.satellite) != excluded);
         let measurements: Vec<_> = seen.iter().map(|(m, _)| m).collect();
         let satellites: Vec<_> = measurements.iter().map(|m| m.satellite).collect();
         let unknowns = Unknowns::of(&measurements);
@@ -272,34 +277,4 @@ impl Problem<'_> {
             state,
         }
     }
-}
-
-impl Search {
-    fn holds(&self, s: &Snapshot) -> bool {
-        (s.position - self.place).norm() <= MARGIN * self.place_uncertainty_m.max(PLACE_STEP_M)
-            && (s.time_s - self.time_s).abs() <= MARGIN * self.time_uncertainty_s.max(TIME_STEP_S)
-    }
-}
-
-/// Places and times to begin with, on a raster as wide as the uncertainty.
-fn beginnings(search: &Search) -> Vec<Trial> {
-    let local = enu(WGS84.geodetic(search.place)).transpose();
-    let reach = |uncertainty: f64, step: f64| (uncertainty / step - 0.5).ceil().max(0.0) as i32;
-    let places = reach(search.place_uncertainty_m, PLACE_STEP_M);
-    let times = reach(search.time_uncertainty_s, TIME_STEP_S);
-    let mut all = Vec::new();
-    for (east, north) in square(places) {
-        let shift = Vector3::new(f64::from(east), f64::from(north), 0.0) * PLACE_STEP_M;
-        for step in -times..=times {
-            all.push(Trial {
-                place: search.place + local * shift,
-                time_s: search.time_s + f64::from(step) * TIME_STEP_S,
-            });
-        }
-    }
-    all
-}
-
-fn square(reach: i32) -> impl Iterator<Item = (i32, i32)> {
-    (-reach..=reach).flat_map(move |x| (-reach..=reach).map(move |y| (x, y)))
 }

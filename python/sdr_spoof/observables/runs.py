@@ -1,0 +1,136 @@
+"""Stretches of a track without a break, in memory and ready to be interpolated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+from sdr_spoof.records import SignalTrack, State
+from sdr_spoof.signals import SignalSpec, signal_spec
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+LEAST_ROWS = 5
+"""Shorter runs are not looked at."""
+GAP_EPOCHS = 1.5
+"""Rows farther apart than this, in integrations, do not belong to one run."""
+JUMP_CHIPS = 0.1
+"""A code replica that moves by more than this between two rows, beyond what the Doppler tells,
+was moved by hand: off a side peak."""
+UNSETTLED_SIGMAS = 6.0
+SETTLED_S = 0.1
+"""The discriminator's mean over this time must lie within so many standard deviations of zero.
+The code loop of 1 Hz needs 0.25 s: where samples are missing, or before it has settled, the mean
+stands out, and the replica is not where the signal is."""
+SLIP_SIGMAS = 6.0
+SLIP_CYCLES = (0.1, 0.2)
+"""A phase error beyond six standard deviations, but no less than the first and no more than the
+second, may be a slip."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """N rows of one signal between which neither code nor carrier was lost."""
+
+    spec: SignalSpec
+    time_s: NDArray[np.float64]
+    code_s: NDArray[np.float64]
+    """Received code time (phase over chip rate) minus ``time_s``: falls as the range grows."""
+    code_error_s: NDArray[np.float64]
+    """What the discriminator adds to the oscillator in ``code_s``."""
+    phase_cycles: NDArray[np.float64]
+    cn0_dbhz: NDArray[np.float64]
+    slipped: NDArray[np.bool_]
+    """Whether the phase may have slipped since the row before."""
+    settled: NDArray[np.bool_]
+    """Whether the code replica is on the signal."""
+    captured: NDArray[np.bool_]
+    integration_s: float
+
+    def rows(self, chosen: slice | NDArray[np.intp]) -> Run:
+        """Some of the rows."""
+        arrays = [f.name for f in fields(self) if isinstance(getattr(self, f.name), np.ndarray)]
+        return replace(self, **{name: getattr(self, name)[chosen] for name in arrays})
+
+    def outline(self) -> Run:
+        """A row a second, and the last one: enough to tell code periods apart."""
+        step = max(1, round(1.0 / self.integration_s))
+        last = self.time_s.size - 1
+        return self.rows(np.unique(np.append(np.arange(0, last, step), last)))
+
+
+def runs_of(track: SignalTrack, *, measured: bool = False) -> list[Run]:
+    """Unbroken runs of a track in ``SYNCED`` or better.
+
+    With ``measured``, ``code_s`` is that of oscillator plus discriminator.
+    """
+    whole = _rows(track)
+    if whole is None:
+        return []
+    edges = [0, *(np.flatnonzero(_breaks(whole)) + 1).tolist(), whole.time_s.size]
+    runs = (whole.rows(slice(a, b)) for a, b in pairwise(edges))
+    found = [_judged(run) for run in runs if run.time_s.size >= LEAST_ROWS]
+    if measured:
+        found = [replace(r, code_s=r.code_s + r.code_error_s) for r in found]
+    return found
+
+
+def _rows(track: SignalTrack) -> Run | None:
+    """All rows that count as one run; None without any."""
+    spec = signal_spec(track.signal)
+    state = track.state
+    kept = np.flatnonzero(state >= State.SYNCED)
+    if not kept.size:
+        return None
+    time_s = track.time_s[kept]
+    error_s = track.code_error_chips[kept] / spec.chip_rate_hz
+    nothing = np.zeros(kept.size, np.bool_)
+    return Run(
+        spec=spec,
+        time_s=time_s,
+        code_s=track.code_phase_chips[kept] / spec.chip_rate_hz - error_s - time_s,
+        code_error_s=error_s,
+        phase_cycles=track.carrier_phase_cycles[kept],
+        cn0_dbhz=track.cn0_dbhz[kept],
+        slipped=_slips(track.phase_error_cycles[kept], track.cn0_dbhz[kept], track, kept),
+        settled=~nothing,
+        captured=state[kept] == State.CAPTURED,
+        integration_s=float(np.median(track.integration_s[kept])),
+    )
+
+
+def _slips(
+    error_cycles: NDArray[np.float64],
+    cn0_dbhz: NDArray[np.float64],
+    track: SignalTrack,
+    kept: NDArray[np.intp],
+) -> NDArray[np.bool_]:
+    """Rows whose phase error is more than noise: the loop may come to rest on another cycle."""
+    snr = 2.0 * 10.0 ** (0.1 * cn0_dbhz) * track.integration_s[kept]
+    sigma_cycles = 1.0 / (2.0 * np.pi * np.sqrt(np.maximum(snr, 1e-3)))
+    limit = np.clip(SLIP_SIGMAS * sigma_cycles, *SLIP_CYCLES)
+    return np.abs(error_cycles) > limit
+
+
+def _breaks(run: Run) -> NDArray[np.bool_]:
+    """Whether each row but the last is the last of a run."""
+    steps_s = np.diff(run.time_s)
+    predicted = -np.diff(run.phase_cycles) / run.spec.carrier_hz
+    moved_s = np.diff(run.code_s) - predicted
+    jump_s = JUMP_CHIPS / run.spec.chip_rate_hz
+    return (steps_s > GAP_EPOCHS * run.integration_s) | (np.abs(moved_s) > jump_s)
+
+
+def _judged(run: Run) -> Run:
+    """Say where the code loop has settled."""
+    count = max(1, round(SETTLED_S / run.integration_s))
+    mean = uniform_filter1d(run.code_error_s, count, mode="nearest")
+    # The quartiles do not see a transient that is short against the run.
+    spread = np.subtract(*np.percentile(run.code_error_s, [75, 25])) / 1.349
+    limit = UNSETTLED_SIGMAS * spread / np.sqrt(min(count, run.time_s.size))
+    return replace(run, settled=np.abs(mean) <= limit)

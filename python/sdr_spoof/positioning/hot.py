@@ -1,0 +1,217 @@
+"""Hot start: what was sent when, told by a known time, place and orbits instead of a message.
+
+A code counter is known up to whole code periods (of what carries symbols: up to whole symbols).
+Time and place predict the transmit time of every satellite; the multiple nearest to the prediction
+is the right one if that is good to half of it. An error of the time is common to all satellites:
+it is taken out by the signal with the longest period first, so that only the differences between
+satellites must be predicted to half a code period (150 km of range for 1 ms).
+
+Van Diggelen, A-GPS: Assisted GPS, GNSS, and SBAS, 2009, chapter 4.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sdr_spoof.fixes import Status
+from sdr_spoof.nav.orbit import positions
+from sdr_spoof.nav.records import Anchor
+from sdr_spoof.nav.symbols import symbols_of
+from sdr_spoof.observables.runs import runs_of
+from sdr_spoof.pvt import CodePhase, snapshot
+from sdr_spoof.signals import signal_spec
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from sdr_spoof.nav.ephemeris import Ephemeris
+    from sdr_spoof.nav.store import Store
+    from sdr_spoof.nav.time import GnssTime
+    from sdr_spoof.observables.runs import Run
+    from sdr_spoof.pvt import PvtConfig
+    from sdr_spoof.records import SignalTrack, TrackLog
+
+LIGHT_M_S = 299_792_458.0
+EARTH_RATE = 7.2921150e-5
+"""rad/s: WGS-84 and CGCS2000 alike, to 5e-9 of it."""
+SETTLING_S = 1.0
+"""The code loop of 1 Hz has settled after this, to 2 % of where it began."""
+UNSURE = 0.35
+"""A counter that lies farther than this from a multiple, in periods, is not resolved."""
+
+
+@dataclass(frozen=True)
+class _Counter:
+    """A run's code counter against the prediction."""
+
+    signal: str
+    prn: int
+    run: Run
+    period_s: float
+    """Spacing of the instants that may belong to ``chips``."""
+    chips: float
+    """A code phase at the start of a code period or symbol."""
+    expected: GnssTime
+    """Predicted transmit time of that code phase, by the satellite's clock."""
+
+
+def anchors_by(
+    log: TrackLog,
+    store: Store,
+    start: GnssTime,
+    place_m: NDArray[np.float64],
+    config: PvtConfig,
+) -> tuple[tuple[Anchor, ...], tuple[str, ...]]:
+    """Anchors, and what is to be said of them, by a coarse time and place.
+
+    A snapshot of all code phases at one instant first finds both well enough.
+
+    Args:
+        log: tracks.
+        store: ephemerides.
+        start: GPST of the first sample, to ``config.time_uncertainty_s``.
+        place_m: where the receiver was, ECEF (3,), to ``config.place_uncertainty_m``.
+        config: what the snapshot uses.
+    """
+    at_s, phases = snapshot_phases(log)
+    if not phases:
+        return (), ("no signal was tracked long enough for a snapshot",)
+    fix = snapshot(phases, store, place_m, start + at_s, config)
+    if not fix.fixed.any():
+        return (), (f"no fix by a snapshot of code phases: {fix.reason(0)}",)
+    if fix.status[0] == Status.SUSPECT:
+        return (), (
+            "a snapshot of code phases contradicts itself: time, place or navigation file may be "
+            "farther off than said",
+        )
+    found = start + (fix.time(0) - (start + at_s))
+    anchors = anchors_at(log, store, found, fix.position_m[0])
+    late_s = found - start
+    return anchors, (f"time from a snapshot of code phases, {late_s:+.3f} s against the one given",)
+
+
+def snapshot_phases(log: TrackLog) -> tuple[float, list[CodePhase]]:
+    """Sample time at which most signals are tracked, and their code phases then."""
+    runs = [(track, run.outline()) for track in log.signals for run in runs_of(track)]
+    if not runs:
+        return 0.0, []
+    bounds = [(float(run.time_s[0]), float(run.time_s[-1])) for _, run in runs]
+    at_s = _instant([b for b in bounds if b[1] - b[0] > SETTLING_S] or bounds)
+    phases = []
+    for track, run in runs:
+        if run.time_s[0] <= at_s <= run.time_s[-1]:
+            spec = run.spec
+            code_s = float(np.interp(at_s, run.time_s, run.code_s)) + at_s
+            slope = np.polyfit(run.time_s[:2], run.phase_cycles[:2], 1)[0]
+            doppler_hz = -float(slope)
+            left_s = -code_s % spec.period_s / (1.0 + doppler_hz / spec.carrier_hz)
+            cn0 = float(np.interp(at_s, run.time_s, run.cn0_dbhz))
+            phases.append(CodePhase(spec.system, track.prn, track.signal, left_s, cn0, doppler_hz))
+    return at_s, phases
+
+
+def _instant(bounds: Sequence[tuple[float, float]]) -> float:
+    """Middle of the first time in which most of the runs go on together, their start left out."""
+    settled = [(begin + min(SETTLING_S, 0.5 * (end - begin)), end) for begin, end in bounds]
+
+    def going(at_s: float) -> list[tuple[float, float]]:
+        return [b for b in settled if b[0] <= at_s <= b[1]]
+
+    best = max((begin for begin, _ in settled), key=lambda at_s: (len(going(at_s)), -at_s))
+    return 0.5 * (best + min(end for _, end in going(best)))
+
+
+def anchors_at(
+    log: TrackLog, store: Store, start: GnssTime, place_m: NDArray[np.float64]
+) -> tuple[Anchor, ...]:
+    """Anchors of all runs of satellites with an ephemeris.
+
+    Args:
+        log: tracks.
+        store: ephemerides.
+        start: GPST of the first sample, to half the longest period among the signals (20 ms for
+            B1I D1) or, where only differences matter, to seconds.
+        place_m: where the receiver was, ECEF (3,), to 100 km.
+    """
+    counters = [c for track in log.signals for c in _counters(track, store, start, place_m)]
+    if not counters:
+        return ()
+    late_s = _common_error_s(counters)
+    found = (_resolved(c, late_s) for c in counters)
+    return tuple(a for a in found if a is not None)
+
+
+def _counters(
+    track: SignalTrack, store: Store, start: GnssTime, place_m: NDArray[np.float64]
+) -> list[_Counter]:
+    spec = signal_spec(track.signal)
+    selected = store.select(spec.system, track.prn, start)
+    if selected is None:
+        return []
+    runs = [r.outline() for r in runs_of(track)]
+    symbols = symbols_of(track)
+    counters = []
+    for run in runs:
+        begin, end = float(run.time_s[0]), float(run.time_s[-1])
+        inside = [s for s in symbols if begin <= s.time_s[-1] and s.time_s[0] <= end]
+        period_s, chips = spec.period_s, 0.0
+        if inside:
+            period_s, chips = inside[0].symbol_s, float(inside[0].code_phase_chips[0])
+        at_s = 0.5 * (begin + end)
+        # Transmit time minus sample time; the counter's time of ``chips`` lies as far back.
+        sent = _sent(selected.ephemeris, start + at_s, place_m)
+        counted_s = float(np.interp(at_s, run.time_s, run.code_s)) + at_s
+        expected = sent + (chips / spec.chip_rate_hz - counted_s)
+        counters.append(_Counter(track.signal, track.prn, run, period_s, chips, expected))
+    return counters
+
+
+def _sent(ephemeris: Ephemeris, received: GnssTime, place_m: NDArray[np.float64]) -> GnssTime:
+    """When what is received was sent, by the satellite's clock."""
+    travel_s, clock_s = 0.075, 0.0
+    for _ in range(4):
+        state = positions([ephemeris], [received + -travel_s])
+        turn = EARTH_RATE * travel_s
+        x, y, z = state.position_m[0]
+        moved = np.array([x + turn * y, y - turn * x, z])
+        travel_s = float(np.linalg.norm(moved - place_m)) / LIGHT_M_S
+        clock_s = float(state.clock_s[0])
+    return received + (clock_s - travel_s)
+
+
+def _common_error_s(counters: Sequence[_Counter]) -> float:
+    """How much later than predicted all satellites sent, by those with the longest period."""
+    longest = max(c.period_s for c in counters)
+    turns = [2 * np.pi * _beyond_s(c, 0.0) / longest for c in counters if c.period_s == longest]
+    mean = np.angle(np.mean(np.exp(1j * np.array(turns))))
+    return float(mean) * longest / (2 * np.pi)
+
+
+def _beyond_s(counter: _Counter, late_s: float) -> float:
+    """From the expected instant to the nearest one that may be."""
+    expected = counter.expected + late_s
+    # Whole seconds are multiples of every period.
+    periods = expected.fraction / counter.period_s
+    return (round(periods) - periods) * counter.period_s
+
+
+def _resolved(counter: _Counter, late_s: float) -> Anchor | None:
+    beyond_s = _beyond_s(counter, late_s)
+    if abs(beyond_s) > UNSURE * counter.period_s:
+        return None
+    expected = counter.expected + late_s
+    whole = round(expected.fraction / counter.period_s) * counter.period_s
+    run = counter.run
+    return Anchor(
+        signal=counter.signal,
+        prn=counter.prn,
+        from_s=float(run.time_s[0]),
+        until_s=float(run.time_s[-1]),
+        code_phase_chips=counter.chips,
+        transmitted=type(expected)(expected.seconds) + whole,
+    )

@@ -1,0 +1,204 @@
+"""From tracks to positions: messages, observations, fixes; and why there are none."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sdr_spoof import pvt
+from sdr_spoof.errors import NavigationError
+from sdr_spoof.fixes import CAUSES, Cause, Status
+from sdr_spoof.nav.frames import decode
+from sdr_spoof.nav.geodesy import geodetic_to_ecef
+from sdr_spoof.nav.rinex_nav import read_navigation
+from sdr_spoof.nav.store import Store
+from sdr_spoof.nav.time import GnssTime
+from sdr_spoof.observables import ReceiverClock, observe
+
+from .hot import anchors_by
+from .route import route_of
+from .single import single_fix
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from datetime import datetime
+
+    from numpy.typing import NDArray
+
+    from sdr_spoof.config import Config
+    from sdr_spoof.fixes import Fixes
+    from sdr_spoof.nav.records import Navigation
+    from sdr_spoof.observations import Observations
+    from sdr_spoof.records import Acquisition, TrackLog, Verdict
+    from sdr_spoof.route import Route
+
+
+@dataclass(frozen=True)
+class Located:
+    """All that positioning found in a recording."""
+
+    navigation: Navigation
+    """What was received, and what the files given say."""
+    observations: Observations
+    fixes: Fixes
+    route: Route
+    notes: tuple[str, ...]
+    """What was missing, and why there is no fix, a sentence each."""
+
+    def records(self) -> dict[str, Any]:
+        """What a result file holds of it."""
+        return {
+            "navigation": self.navigation,
+            "observations": self.observations,
+            "fixes": self.fixes,
+        }
+
+    @property
+    def middle_m(self) -> NDArray[np.float64] | None:
+        """Median position (3,), ECEF; None without a fix."""
+        found = self.fixes.position_m[self.fixes.fixed]
+        return np.asarray(np.median(found, axis=0)) if len(found) else None
+
+
+def locate(
+    log: TrackLog,
+    config: Config,
+    verdict: Verdict | None = None,
+    *,
+    start: datetime | None = None,
+    acquisitions: Sequence[Acquisition] = (),
+) -> Located:
+    """Positions from a log of tracks; satellites that the verdict calls spoofed are left out.
+
+    Args:
+        log: tracks.
+        config: its groups ``navigation``, ``observables`` and ``pvt``.
+        verdict: what the detectors said.
+        start: UTC of the first sample, where ``config.navigation.time`` does not tell it.
+        acquisitions: used where the recording is too short for any track.
+
+    Raises:
+        NavigationError: a navigation file cannot be read, or a model that the configuration
+            demands is not there.
+    """
+    began = config.navigation.time or start
+    near = GnssTime.of_utc(began) if began is not None else None
+    navigation = decode(log, near)
+    for path in config.navigation.files:
+        told = read_navigation(path)
+        navigation = _noted(navigation + told, *told.notes)
+    found = None
+    if not navigation.anchors:
+        navigation, found = _hot(log, navigation, config, near, acquisitions)
+    seen, fixes = found or _fixes(log, navigation, config, verdict)
+    route = route_of(fixes, seen, verdict)
+    notes = (*navigation.notes, *seen.notes, *_reasons(fixes))
+    return Located(navigation, seen, fixes, route, tuple(dict.fromkeys(notes)))
+
+
+def try_locate(
+    log: TrackLog, config: Config, verdict: Verdict | None = None, **more: Any
+) -> tuple[Located | None, str]:
+    """As :func:`locate` where the recording allows; otherwise None, and why, in a sentence."""
+    if not config.navigation.position:
+        return None, "not asked for (navigation.position = false)"
+    try:
+        return locate(log, config, verdict, **more), ""
+    except NavigationError as error:
+        return None, str(error)
+
+
+def _noted(navigation: Navigation, *notes: str) -> Navigation:
+    return replace(navigation, notes=(*navigation.notes, *notes))
+
+
+def _hot(
+    log: TrackLog,
+    navigation: Navigation,
+    config: Config,
+    near: GnssTime | None,
+    acquisitions: Sequence[Acquisition],
+) -> tuple[Navigation, tuple[Observations, Fixes] | None]:
+    """Add anchors by a known time, place and orbits, where no message tells them.
+
+    Also the fix, where nothing was tracked and code phases of the acquisition must do.
+    """
+    place = config.navigation.place
+    needed = {
+        "a navigation file": bool(navigation.ephemerides),
+        "the time of the first sample": near is not None,
+        "a place": place is not None,
+    }
+    missing = [name for name, there in needed.items() if not there]
+    if near is None or place is None or missing:
+        lacking = f"no message was received in full; a fix needs {', '.join(missing)} too"
+        return _noted(navigation, lacking), None
+    aid = Store(navigation), near, geodetic_to_ecef(place), config.pvt
+    anchors, told = anchors_by(log, *aid)
+    navigation = _noted(replace(navigation, anchors=anchors), *told)
+    if anchors or any(t.epochs for t in log.signals):
+        return navigation, None
+    return navigation, single_fix(acquisitions, log.sample_rate_hz, *aid)
+
+
+def _fixes(
+    log: TrackLog, navigation: Navigation, config: Config, verdict: Verdict | None
+) -> tuple[Observations, Fixes]:
+    """Observations and fixes, by a clock that a first round of fixes has set right."""
+    coarse = config.observables.model_copy(update={"rate_hz": 1})
+    first = observe(log, navigation, coarse, verdict)
+    clock = first.clock
+    if clock is not None:
+        clock = corrected(clock, first, pvt.solve(first, navigation, config.pvt))
+    seen = observe(log, navigation, config.observables, verdict, clock=clock)
+    return seen, pvt.solve(seen, navigation, config.pvt)
+
+
+def corrected(clock: ReceiverClock, seen: Observations, fixes: Fixes) -> ReceiverClock:
+    """The clock less a straight line through what trusted fixes found of it, piece by piece."""
+    trusted = np.isin(fixes.status, (Status.FIX, Status.UNCHECKED)) & np.isfinite(fixes.clock_s)
+    starts = [p.sample_s for p in clock.pieces[1:]]
+    piece_of = np.searchsorted(starts, seen.sample_time_s, side="right")
+    pieces = []
+    for number, piece in enumerate(clock.pieces):
+        rows = np.flatnonzero(trusted & (piece_of == number))
+        if not rows.size:
+            pieces.append(piece)
+            continue
+        middle_s = float(np.mean(seen.sample_time_s[rows]))
+        bias_s, drift = _line(seen.sample_time_s[rows] - middle_s, fixes, rows)
+        pieces.append(piece.corrected(middle_s, bias_s, drift))
+    return ReceiverClock(tuple(pieces))
+
+
+def _line(time_s: NDArray[np.float64], fixes: Fixes, rows: NDArray[np.intp]) -> tuple[float, float]:
+    """Bias in s at time 0 and drift, by medians, which a few wrong fixes do not move."""
+    bias = fixes.clock_s[rows]
+    if rows.size < LINE_FIXES:
+        return float(np.median(bias)), float(np.nan_to_num(np.median(fixes.drift_m_s[rows]))) / C
+    half = rows.size // 2
+    run = np.median(time_s[-half:]) - np.median(time_s[:half])
+    drift = float((np.median(bias[-half:]) - np.median(bias[:half])) / run)
+    return float(np.median(bias - drift * time_s)), drift
+
+
+LINE_FIXES = 10
+"""Of fewer fixes the drift is that of their velocities."""
+C = 299_792_458.0
+
+
+def _reasons(fixes: Fixes) -> list[str]:
+    """Why satellites were left out, and why there is no fix, in words."""
+    left_out: dict[Cause, dict[str, None]] = {}
+    for e in fixes.excluded:
+        if e.cause not in (Cause.LOW, Cause.NO_FIX):
+            left_out.setdefault(e.cause, {})[e.satellite] = None
+    reasons = [f"{CAUSES[cause]}: {', '.join(names)}" for cause, names in left_out.items()]
+    if fixes.epochs and not fixes.fixed.any():
+        hint = ""
+        if Cause.NO_EPHEMERIS in left_out:
+            hint = "; a navigation file would tell the orbits that were not received in full"
+        reasons.append(f"no fix: {fixes.reason(fixes.epochs - 1)}{hint}")
+    return reasons
