@@ -143,7 +143,33 @@ def test_mistakes_are_told(change: dict[str, Any], message: str) -> None:
 def test_only_satellites_of_a_sky_can_be_seen_from_elsewhere() -> None:
     plain = {"recording": sky().recording.model_dump(), "satellite": [{"prn": 27}]}
     with pytest.raises(ValueError, match="use kind = 'induced'"):
+        Scenario.model_validate(plain | {"attack": [ATTACK | {"prn": 27}]})
+    with pytest.raises(ValueError, match="no satellite of the scenario is meant"):
         Scenario.model_validate(plain | {"attack": [ATTACK]})
+
+
+def test_other_kinds_apply_to_a_sky() -> None:
+    induced = {
+        "prn": 30,
+        "signals": ["B1I"],
+        "start_s": 0.5,
+        "carrier_phase_cycles": "antipodal",
+        "drag_start_s": 2.6,
+        "drag_rate_m_s": 8.0,
+        "drag_ramp_s": 0.4,
+    }
+    more = {"cn0_horizon_dbhz": 38.0, "ionosphere": "klobuchar", "elevation_mask_deg": 40.0}
+    at_s = np.array([2.5, 3.5])
+    d = difference(sky(attack=induced, **more), 30, "B1I", at_s)
+    assert d.code_m == pytest.approx([0.0, 0.2 * 8 + 0.5 * 8], abs=1e-5)
+    assert d.power_db == pytest.approx([3.5, 3.5], abs=1e-9)
+    turned = -d.code_m * 1561.098e6 / C
+    assert d.phase_cycles == pytest.approx(0.5 + turned, abs=1e-5)
+    meacon = {"kind": "meaconing", "start_s": 1.0, "delay_m": 150.0}
+    scenario = sky(attack=meacon, elevation_mask_deg=60.0)
+    for seen in (s for s in scenario.satellites if s.system == "C"):
+        d = difference(scenario, seen.prn, "B1I", at_s)
+        assert d.code_m == pytest.approx([150.0, 150.0], abs=1e-5)
 
 
 def test_profiles_add_up() -> None:

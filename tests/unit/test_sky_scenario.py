@@ -216,6 +216,33 @@ def test_start_in_every_form() -> None:
     assert len(starts) == 1
 
 
+@pytest.mark.parametrize("start", ["2023-03-12T12:00:07.3", "2023-03-12T11:59:59.999"])
+def test_codes_begin_at_multiples_of_18_seconds(start: str) -> None:
+    made = sky(start=start, elevation_mask_deg=50.0)
+    for seen in made.satellites:
+        track = satellite(made, seen.system, seen.prn).track
+        week_s = track.reference.seconds - (14 if seen.system == "C" else 0)
+        assert (week_s % 604_800 % 18, track.reference.fraction) == (0, 0.0)
+        assert 1.0 <= track.sky.start - track.reference < 20.0
+
+
+def test_messages_tell_of_the_atmosphere_that_there_is() -> None:
+    tecu = (20.0, 1.0, 2.0, 3.0, 4.0, 0.0, 0.0, 0.0, 0.0)
+    bdgim = sky(ionosphere="bdgim", bdgim_tecu=tecu).sky_model()
+    plain = sky(ionosphere="none").sky_model()
+    usual = sky(ionosphere="klobuchar").sky_model()
+    assert bdgim is not None and plain is not None and usual is not None
+    assert bdgim.propagation.bdgim is not None
+    assert bdgim.propagation.bdgim.alpha == tecu
+    delay_m = bdgim.satellites[0].track.view.delays.ionosphere_m
+    assert 1.0 < delay_m[0] < 40.0
+    assert plain.propagation.klobuchar("C") is None
+    known = usual.propagation.klobuchar("C")
+    assert known is not None
+    assert known.system == "C"
+    assert known.alpha == usual.propagation.klobuchar("G").alpha  # type: ignore[union-attr]
+
+
 def test_paths_are_from_the_folder_of_the_file(tmp_path: Path) -> None:
     (tmp_path / "x.toml").write_text(
         "[recording]\nduration_s = 1\nsample_rate_hz = 5e6\nlo_hz = 1561.098e6\n"

@@ -193,6 +193,12 @@ class Position(Attack):
         """By how much all counterfeits come later than the false place asks for."""
         return np.asarray(1e-9 * self.clock_rate_ppb * self._dragged_s(time_s))
 
+    def _means(self, satellite: Satellite) -> bool:
+        """Those of a sky, unless named."""
+        return super()._means(satellite) and (
+            bool(self.prns) or isinstance(satellite, SkySatellite)
+        )
+
     @property
     def _full_s(self) -> float:
         return (self.drag_start_s or 0.0) + self.drag_ramp_s

@@ -35,7 +35,8 @@ if TYPE_CHECKING:
     from sdr_spoof.scenario.attack.position import Position
     from sdr_spoof.scenario.emitters import Transmission
 
-    from .model import Sky, Track
+    from .model import Sky
+    from .track import Track
 
 
 def sky_truth(

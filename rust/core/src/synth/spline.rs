@@ -90,7 +90,7 @@ mod tests {
 
     #[test]
     fn large_values_keep_their_precision() {
-        // A satellite's range over 10 h; the reference is in integers of 2^-30 m where it matters.
+        // As of a satellite over 10 h.
         let small = |t: f64| 900.0 * (t / 5000.0).sin();
         let rate = |t: f64| 900.0 / 5000.0 * (t / 5000.0).cos();
         let knots = (0..360_000).map(|k| {
