@@ -12,6 +12,8 @@ from sdr_spoof.records import State
 from sdr_spoof.report import words
 from sdr_spoof.report.evidence import Evidence, EvidenceBook, broken
 from sdr_spoof.report.figures import peaks, style, tracking_bar
+from sdr_spoof.report.figures.case import Case
+from sdr_spoof.report.figures.overview import draw_quiet
 from sdr_spoof.verdict import detect, statistics
 
 CONFIG = DetectionConfig(detectors=tuple(DETECTORS))
@@ -144,3 +146,9 @@ def test_words_of_a_satellite(verdict):
     untold = dataclasses.replace(satellite, band=None, action="drop the satellite")
     assert "cannot be told" in words.satellite_sentence(untold)
     assert words.action_sentence(untold).startswith("drop the satellite: ")
+
+
+def test_of_a_satellite_with_hardly_a_test_nothing_is_drawn(log):
+    """As of one that was tested for power alone before Ctrl-C."""
+    clean = detect(log, DetectionConfig(detectors=("power",))).satellites[0]
+    assert draw_quiet(Case.of(clean, Evidence(), log, None)) is None

@@ -153,8 +153,8 @@ def _draw_tests(
         case = Case.of(satellite, drawn.book.satellites[key], log, _of(truth, *key))
         if satellite.alarms:
             drawn.overviews[key] = draw_overview(case)
-        else:
-            drawn.quiet[key] = draw_quiet(case)
+        elif (quiet := draw_quiet(case)) is not None:
+            drawn.quiet[key] = quiet
     return drawn
 
 

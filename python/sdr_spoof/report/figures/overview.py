@@ -58,9 +58,14 @@ def draw_overview(case: Case) -> str:
     return style.render(draw, 10.0, sum(heights) + 0.9)
 
 
-def draw_quiet(case: Case) -> str:
-    """A satellite without an alarm: what was tested, against its thresholds."""
+def draw_quiet(case: Case) -> str | None:
+    """A satellite without an alarm: what was tested, against its thresholds.
+
+    None where nothing of that has been, as in a recording that was broken off early.
+    """
     panels = [p for p in _panels(case) if p[1] not in (tracking_bar.draw, _cn0, _noise)]
+    if not panels:
+        return None
 
     def draw(figure: Figure) -> None:
         axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
