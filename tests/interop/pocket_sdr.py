@@ -8,28 +8,42 @@ import subprocess
 from collections import defaultdict
 from pathlib import Path
 
-from outcome import Errors, Outcome, PeerMissingError
-from recordings import BOTH_BANDS, Recording, synthesise
+import debian
+import rtklib
+from outcome import Errors, Outcome, PeerMissingError, Place
+from recordings import BOTH_BANDS, Recording, fixes, synthesise
 
 VARIABLE = "POCKET_SDR"
 MOST_M = 10.0
 LEAST_FIXES = 5
 SLOWER = 0.25
 """Its clock against ours: it drops samples where it cannot follow."""
+KEPT = ".pocket_navdata.csv"
+"""Messages of its last run, which it would begin with."""
 _TRACKER = Path("app/pocket_trk/pocket_trk")
+_CONVERTER = Path("app/convbin/convbin")
+DATE = "2023/3/12"
+"""Of the recording: RTCM has no weeks."""
 
 
 def run(folder: Path) -> list[Outcome]:
-    """60 s of both bands: it must find every satellite, decode its messages and fix."""
-    program = _program()
+    """60 s of both bands: it must find every satellite, decode its messages and range right.
+
+    It takes an ephemeris only when it came twice, after 60 s and more: positions are RTKLIB's, from
+    its pseudoranges of B1I and the ephemerides that our receiver decoded.
+    """
+    program, solver = _program(), debian.require("rnx2rtkp", "rtklib")
     recording = synthesise(BOTH_BANDS, folder)
     log = _receive(program, recording, folder / "pocket-sdr")
-    return [_signals(log, recording), _position(log, recording)]
+    own = fixes(recording, folder / "both-bands")
+    theirs = _observations(program, folder / "pocket-sdr")
+    found = rtklib.solve(solver, theirs, own / "navigation.rnx")
+    return [_signals(log, recording), _position(log, found, recording)]
 
 
 def _program() -> Path:
     root = os.environ.get(VARIABLE)
-    program = Path(root or "") / _TRACKER
+    program = Path(root or "").resolve() / _TRACKER
     if root is None or not program.is_file():
         raise PeerMissingError(
             f"set {VARIABLE} to a folder of Pocket SDR in which {_TRACKER} has been built"
@@ -39,16 +53,18 @@ def _program() -> Path:
 
 def _receive(program: Path, recording: Recording, folder: Path) -> str:
     folder.mkdir(parents=True, exist_ok=True)
-    log = folder / "pocket.log"
-    log.unlink(missing_ok=True)
+    log = folder.resolve() / "pocket.log"
+    stream = log.with_suffix(".rtcm3")
+    for old in (log, stream, folder / KEPT):
+        old.unlink(missing_ok=True)
     beidou = [int(s[1:]) for s in recording.satellites if s[0] == "C"]
     third = ",".join(str(p) for p in beidou if 19 <= p < 59)
     everyone = ",".join(map(str, beidou))
     signals = ["-sig", "B1CP", "-prn", third, "-sig", "B1CD", "-prn", third]
     signals += ["-sig", "B1I", "-prn", everyone]
     form = ["-fmt", "CS8", "-f", "20", "-fo", "1568.259", "-tscale", str(SLOWER), "-ti", "0"]
-    command = [program, *signals, *form, "-log", log, recording.data]
-    subprocess.run(command, check=True, capture_output=True)
+    command = [program, *signals, *form, "-log", log, "-rtcm", stream, recording.data.resolve()]
+    subprocess.run(command, cwd=folder, check=True, capture_output=True)
     return log.read_text(errors="replace")
 
 
@@ -75,9 +91,19 @@ def _signals(log: str, recording: Recording) -> Outcome:
     return Outcome(version(log), "our messages", passed, f"{figures}; {wrong} frames in error")
 
 
-def _position(log: str, recording: Recording) -> Outcome:
-    rows = [r.split(",") for r in log.splitlines() if r.startswith("$POS")]
-    errors = Errors.of([(float(r[8]), float(r[9]), float(r[10])) for r in rows], recording.place)
+def _observations(program: Path, folder: Path) -> Path:
+    """RINEX of its RTCM stream."""
+    converter = program.parents[2] / _CONVERTER
+    if not converter.is_file():
+        raise PeerMissingError(f"build {_CONVERTER} in the folder of {VARIABLE}")
+    rinex = folder / "pocket.obs"
+    form = ["-r", "rtcm3", "-tr", DATE, "00:00:00", "-v", "3.05", "-mask", "CL2I"]
+    command = [converter, *form, "-o", rinex, "-n", folder / "unused.nav", folder / "pocket.rtcm3"]
+    subprocess.run(command, check=True, capture_output=True)
+    return rinex
+
+
+def _position(log: str, found: list[Place], recording: Recording) -> Outcome:
+    errors = Errors.of(found, recording.place)
     passed = errors.count >= LEAST_FIXES and errors.rms <= MOST_M
-    first = f"first after {float(rows[0][1]):.1f} s; " if rows else ""
-    return Outcome(version(log), "our B1I and B1C", passed, f"{first}{errors}")
+    return Outcome(version(log), "its ranges of our B1I", passed, str(errors))

@@ -31,18 +31,23 @@ def run(folder: Path) -> list[Outcome]:
 
 
 def _outcome(program: str, recording: Recording, own: Path) -> Outcome:
-    settings, navigation, solution = own / "rtklib.conf", own / "rtklib.rnx", own / "rtklib.pos"
-    settings.write_text(SETTINGS.format(systems=BEIDOU))
-    navigation.write_text(_with_gps_labels((own / "navigation.rnx").read_text()))
-    command = [program, "-k", settings, "-o", solution, own / "observations.rnx", navigation]
-    subprocess.run(command, check=True, capture_output=True)
-    theirs, ours = _places(solution), places(own)
-    middle = _mean(ours)
-    apart = Errors.of(theirs, middle)
+    theirs, ours = solve(program, own / "observations.rnx", own / "navigation.rnx"), places(own)
+    apart = Errors.of(theirs, _mean(ours))
     passed = len(theirs) >= len(ours) // 2 > 0 and apart.rms <= MOST_M
     truth = Errors.of(ours, recording.place)
     figures = f"against the mean of ours: {apart}; ours against the truth: {truth}"
     return Outcome(f"RTKLIB {debian.version('rtklib')}", "our RINEX files", passed, figures)
+
+
+def solve(program: str, observations: Path, navigation: Path) -> list[Place]:
+    """Its positions from RINEX files of BDS; what it writes lies beside the observations."""
+    settings, known = observations.with_suffix(".conf"), observations.with_suffix(".nav")
+    settings.write_text(SETTINGS.format(systems=BEIDOU))
+    known.write_text(_with_gps_labels(navigation.read_text()))
+    solution = observations.with_suffix(".pos")
+    command = [program, "-k", settings, "-o", solution, observations, known]
+    subprocess.run(command, check=True, capture_output=True)
+    return _places(solution)
 
 
 def _with_gps_labels(text: str) -> str:

@@ -41,7 +41,7 @@ def run(folder: Path) -> list[Outcome]:
 
 def _program() -> Path:
     root = os.environ.get(VARIABLE)
-    program = Path(root or "") / _GENERATOR
+    program = Path(root or "").resolve() / _GENERATOR
     if root is None or not program.is_file():
         raise PeerMissingError(
             f"set {VARIABLE} to a folder of SignalSim in which {_GENERATOR} has been built"
