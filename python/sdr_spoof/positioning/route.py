@@ -74,12 +74,17 @@ def _quality(fixes: Fixes, views: Sequence[SatelliteView]) -> NDArray[np.uint8]:
 
 
 def _said(seen: Observations, verdict: Verdict | None) -> Said:
+    """Whoever is spoofed later is under suspicion from the first one's onset on."""
     said: Said = {}
-    for satellite in verdict.satellites if verdict is not None else ():
+    judged = verdict.satellites if verdict is not None else ()
+    first_s = min((s.onset_s or 0.0 for s in judged if s.verdict == SPOOFED), default=np.inf)
+    for satellite in judged:
         if satellite.verdict in ALARMS:
             on = seen.sample_time_s >= (satellite.onset_s or 0.0)
             name = satellite_name(satellite.system, satellite.prn)
             said[name] = np.where(on, ALARMS[satellite.verdict], Alarm.NONE).astype(np.uint8)
+            if satellite.verdict == SPOOFED:
+                said[name][~on & (seen.sample_time_s >= first_s)] = Alarm.SUSPECT
     return said
 
 

@@ -45,15 +45,20 @@ def solve_trusted(
 
 def under_suspicion(seen: Observations, verdict: Verdict) -> NDArray[np.bool_]:
     """Signals (E, S) of satellites that the verdict suspects, from their onset on, at epochs at
-    which another satellite is spoofed."""
+    which another satellite is spoofed; of those spoofed later, from the first one's onset on."""
     at_s = seen.sample_time_s
     onsets = [s.onset_s or 0.0 for s in verdict.satellites if s.verdict == SPOOFED]
     suspected = np.zeros(seen.spoofed.shape, np.bool_)
     for satellite in verdict.satellites:
-        if satellite.verdict == SUSPECT and _by_its_own_signals(satellite):
-            since_s = max(satellite.onset_s or 0.0, min(onsets, default=np.inf))
-            own = [(s.system, s.prn) == (satellite.system, satellite.prn) for s in seen.signals]
-            suspected[:, own] |= (at_s >= since_s)[:, None]
+        first_s = min(onsets, default=np.inf)
+        if satellite.verdict == SPOOFED:
+            since_s = first_s
+        elif satellite.verdict == SUSPECT and _by_its_own_signals(satellite):
+            since_s = max(satellite.onset_s or 0.0, first_s)
+        else:
+            continue
+        own = [(s.system, s.prn) == (satellite.system, satellite.prn) for s in seen.signals]
+        suspected[:, own] |= (at_s >= since_s)[:, None]
     return suspected
 
 
