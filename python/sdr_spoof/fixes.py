@@ -51,6 +51,8 @@ class Cause(IntEnum):
     """RAIM: it does not agree with the others."""
     NO_FIX = 10
     """There is no position at that epoch."""
+    SUSPECT = 11
+    """Under suspicion while the detectors call another satellite spoofed."""
 
 
 CAUSES = {
@@ -63,6 +65,7 @@ CAUSES = {
     Cause.LOW: "below the elevation mask",
     Cause.RESIDUAL: "excluded by RAIM",
     Cause.NO_FIX: "no position to use it for",
+    Cause.SUSPECT: "under suspicion while others are spoofed",
 }
 """In words."""
 

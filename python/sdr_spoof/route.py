@@ -22,7 +22,8 @@ class Alarm(IntEnum):
 
     NONE = 0
     SUSPECT = 1
-    """A satellite is under suspicion; it is still used."""
+    """A satellite is under suspicion; it is still used, but while another is spoofed only where
+    there is no fix without it."""
     SPOOFED = 2
     """A satellite is spoofed; what is used is what is left."""
 

@@ -11,11 +11,13 @@ import pytest
 
 from sdr_spoof import simulate
 from sdr_spoof.config import Config, load_config
-from sdr_spoof.fixes import Status
+from sdr_spoof.detectors.noise_floor import QUANTITY as NOISE_OF_THE_BAND
+from sdr_spoof.fixes import Cause, Status
 from sdr_spoof.nav.beidou_satellites import GEO
 from sdr_spoof.nav.geodesy import enu, geodetic_to_ecef
 from sdr_spoof.positioning import locate, try_locate
 from sdr_spoof.positioning.summary import sentences, summarise
+from sdr_spoof.records import Alarm as Alarm_
 from sdr_spoof.records import SatelliteVerdict, Verdict
 from sdr_spoof.route import Alarm, Quality
 from sdr_spoof.scenario import load_scenario, synthesize
@@ -119,10 +121,42 @@ def test_fixes_on_suspects_are_suspect(cold_log):
         SatelliteVerdict(27, "spoofed", (), "", onset_s=20.0),
         SatelliteVerdict(29, "suspect", (), "", onset_s=10.0),
     )
-    found = locate(cold_log, load_config(flags=PLAIN), Verdict(True, told, ""))
+    config = load_config(flags=PLAIN | {"pvt.suspects": "use"})
+    found = locate(cold_log, config, Verdict(True, told, ""))
     late = found.route.sample_time_s >= 20.0
     assert (found.route.quality == np.where(late, Quality.SUSPECT, Quality.FIX)).all()
     assert summarise(found).suspect == late.sum()
+
+
+def test_suspects_are_left_out_where_others_are_spoofed(cold_log):
+    """From the onset of the first spoofed satellite on, while there is a fix without them."""
+    own = Alarm_(29, "ratio_metric", None, 10.0, 11.0, 9.0, 5.0, "")
+    shared = replace(own, prn=32, detector="power", quantity=NOISE_OF_THE_BAND)
+    told = (
+        SatelliteVerdict(27, "spoofed", (), "", onset_s=20.0),
+        SatelliteVerdict(29, "suspect", (own,), "", onset_s=10.0),
+        SatelliteVerdict(32, "suspect", (shared,), "", onset_s=10.0),
+    )
+    for setting, left_out in (("leave-out", {27, 29}), ("use", {27})):
+        config = load_config(flags=PLAIN | {"pvt.suspects": setting})
+        fixes = locate(cold_log, config, Verdict(True, told, "")).fixes
+        late = fixes.time_s - fixes.time_s[0] > 20.5
+        prns = np.array([s.prn for s in fixes.signals])
+        out = set(prns[~fixes.used[late].any(axis=0)].tolist())
+        assert fixes.fixed.all() and out == left_out
+        assert fixes.used[~late][5:15].all()
+        causes = {e.satellite: e.cause for e in fixes.excluded}
+        assert (causes.get("C29") == Cause.SUSPECT) == (setting == "leave-out")
+
+
+def test_suspects_are_used_and_flagged_where_too_few_are_left(cold_log):
+    prns = sorted({t.prn for t in cold_log.signals})
+    told = [SatelliteVerdict(prn, "suspect", (), "", onset_s=10.0) for prn in prns[1:]]
+    told.append(SatelliteVerdict(prns[0], "spoofed", (), "", onset_s=20.0))
+    found = locate(cold_log, load_config(flags=PLAIN), Verdict(True, tuple(told), ""))
+    assert found.fixes.fixed.all()
+    late = found.route.sample_time_s >= 20.0
+    assert (found.route.quality == np.where(late, Quality.SUSPECT, Quality.FIX)).all()
 
 
 def test_a_synthesised_sky_tells_when_it_began(tmp_path):

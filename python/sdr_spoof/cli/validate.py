@@ -50,6 +50,10 @@ STUDIES = {
     "subframes": _Study(
         "subframes.json", lambda s: {"subframes": max(200, round(20_000 * s))}, threaded=False
     ),
+    "position": _Study(
+        "position.json",
+        lambda s: {"duration_s": max(42.0, 60.0 * s), "starts": max(1, round(6 * s))},
+    ),
     "speed": _Study("speed.json", lambda s: {"repeats": max(3, round(25 * s))}, threaded=False),
 }
 """Every study, by name."""

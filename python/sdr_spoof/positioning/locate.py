@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sdr_spoof import pvt
 from sdr_spoof.errors import NavigationError
 from sdr_spoof.fixes import CAUSES, Cause, Status
 from sdr_spoof.nav.frames import decode
@@ -20,6 +19,7 @@ from sdr_spoof.observables import ReceiverClock, observe
 from .hot import anchors_by
 from .route import route_of
 from .single import single_fix
+from .trust import solve_trusted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -152,9 +152,9 @@ def _fixes(
     first = observe(log, navigation, coarse, verdict)
     clock = first.clock
     if clock is not None:
-        clock = corrected(clock, first, pvt.solve(first, navigation, config.pvt))
+        clock = corrected(clock, first, solve_trusted(first, navigation, config.pvt, verdict))
     seen = observe(log, navigation, config.observables, verdict, clock=clock)
-    return seen, pvt.solve(seen, navigation, config.pvt)
+    return seen, solve_trusted(seen, navigation, config.pvt, verdict)
 
 
 def corrected(clock: ReceiverClock, seen: Observations, fixes: Fixes) -> ReceiverClock:

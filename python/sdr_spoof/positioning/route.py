@@ -59,8 +59,8 @@ def route_of(fixes: Fixes, seen: Observations, verdict: Verdict | None = None) -
 
 
 def _quality(fixes: Fixes, views: Sequence[SatelliteView]) -> NDArray[np.uint8]:
-    """Of each fix: suspect if its residuals say so, or if it rests on satellites under suspicion
-    while others are spoofed: where one is, they hardly are innocent.
+    """Of each fix: suspect if its residuals say so, or if, while satellites are spoofed, it rests
+    on others under suspicion, which hardly are innocent then, or on too few for residuals.
     """
     quality = np.array([QUALITIES[Status(s)] for s in fixes.status], np.uint8)
     under_attack = np.zeros(fixes.epochs, np.bool_)
@@ -68,17 +68,23 @@ def _quality(fixes: Fixes, views: Sequence[SatelliteView]) -> NDArray[np.uint8]:
     for view in views:
         under_attack |= view.alarm == Alarm.SPOOFED
         relied_on |= view.used & (view.alarm == Alarm.SUSPECT)
-    quality[under_attack & relied_on & fixes.fixed] = Quality.SUSPECT
+    doubtful = relied_on | (fixes.status == Status.UNCHECKED)
+    quality[under_attack & doubtful & fixes.fixed] = Quality.SUSPECT
     return quality
 
 
 def _said(seen: Observations, verdict: Verdict | None) -> Said:
+    """Whoever is spoofed later is under suspicion from the first one's onset on."""
     said: Said = {}
-    for satellite in verdict.satellites if verdict is not None else ():
+    judged = verdict.satellites if verdict is not None else ()
+    first_s = min((s.onset_s or 0.0 for s in judged if s.verdict == SPOOFED), default=np.inf)
+    for satellite in judged:
         if satellite.verdict in ALARMS:
             on = seen.sample_time_s >= (satellite.onset_s or 0.0)
             name = satellite_name(satellite.system, satellite.prn)
             said[name] = np.where(on, ALARMS[satellite.verdict], Alarm.NONE).astype(np.uint8)
+            if satellite.verdict == SPOOFED:
+                said[name][~on & (seen.sample_time_s >= first_s)] = Alarm.SUSPECT
     return said
 
 

@@ -75,6 +75,12 @@ class PvtConfig(BaseModel):
     raim_exclusions: int = Field(
         1, ge=0, le=10, description="Most satellites that RAIM leaves out of an epoch."
     )
+    suspects: Literal["leave-out", "use"] = Field(
+        "leave-out",
+        description="Satellites under suspicion, from the first that is called spoofed on: "
+        "'leave-out' (of every epoch that has a fix without them; other fixes are flagged) or "
+        "'use' (such fixes are flagged).",
+    )
     max_pdop: float = Field(50.0, gt=1.0, description="Geometries worse than this give no fix.")
     acceleration_m_s2: float = Field(
         1.0,

@@ -59,12 +59,20 @@ def solve(
     navigation: Contents | Store,
     config: PvtConfig | None = None,
     *,
+    distrusted: NDArray[np.bool_] | None = None,
     threads: int = 1,
 ) -> Fixes:
     """Positions of all epochs; the same for any number of threads.
 
     Signals that must not be used (spoofed, unhealthy, stale, weak, without an ephemeris) are left
     out and named in the result.
+
+    Args:
+        observations: what was observed.
+        navigation: ephemerides and models.
+        config: what is used and how.
+        distrusted: signals to leave out as under suspicion (E, S).
+        threads: worker threads.
 
     Raises:
         NavigationError: if an ephemeris describes no orbit, or a model of the ionosphere is asked
@@ -74,6 +82,8 @@ def solve(
     store = navigation if isinstance(navigation, Store) else Store(navigation)
     choice = choose(observations, store)
     cause = causes(observations, choice, config)
+    if distrusted is not None:
+        cause[distrusted & (cause == Cause.USED)] = Cause.SUSPECT
     layout = layout_of(observations.signals, config)
     middle = observations.reference
     if observations.epochs:
