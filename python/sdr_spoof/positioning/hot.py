@@ -22,7 +22,7 @@ from sdr_spoof.nav.records import Anchor
 from sdr_spoof.nav.symbols import symbols_of
 from sdr_spoof.observables.runs import runs_of
 from sdr_spoof.pvt import CodePhase, snapshot
-from sdr_spoof.signals import signal_spec
+from sdr_spoof.signals import LIGHT_M_S, signal_spec
 
 from .reasons import left_out
 
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from sdr_spoof.pvt import PvtConfig
     from sdr_spoof.records import SignalTrack, TrackLog
 
-LIGHT_M_S = 299_792_458.0
 EARTH_RATE = 7.2921150e-5
 """rad/s: WGS-84 and CGCS2000 alike, to 5e-9 of it."""
 SETTLING_S = 1.0

@@ -16,6 +16,7 @@ from sdr_spoof.nav.rinex_nav import read_navigation
 from sdr_spoof.nav.store import Store, conflicts
 from sdr_spoof.nav.time import GnssTime
 from sdr_spoof.observables import ReceiverClock, observe
+from sdr_spoof.signals import LIGHT_M_S
 
 from .hot import anchors_by
 from .reasons import reasons
@@ -181,7 +182,9 @@ def _line(time_s: NDArray[np.float64], fixes: Fixes, rows: NDArray[np.intp]) -> 
     """Bias in s at time 0 and drift, by medians, which a few wrong fixes do not move."""
     bias = fixes.clock_s[rows]
     if rows.size < LINE_FIXES:
-        return float(np.median(bias)), float(np.nan_to_num(np.median(fixes.drift_m_s[rows]))) / C
+        return float(np.median(bias)), float(
+            np.nan_to_num(np.median(fixes.drift_m_s[rows]))
+        ) / LIGHT_M_S
     half = rows.size // 2
     run = np.median(time_s[-half:]) - np.median(time_s[:half])
     drift = float((np.median(bias[-half:]) - np.median(bias[:half])) / run)
@@ -192,4 +195,3 @@ ENOUGH_S = 10.0
 """Of shorter recordings the first round takes ten epochs a second."""
 LINE_FIXES = 10
 """Of fewer fixes the drift is that of their velocities."""
-C = 299_792_458.0
