@@ -19,7 +19,7 @@ RUST_SOURCES := Cargo.toml Cargo.lock $(shell find rust -name '*.rs' -o -name Ca
 
 step = @printf '\n== %s ==\n' '$(1)'
 
-.PHONY: demo test fuzz bench bench-check bench-update check clean setup lock
+.PHONY: demo test fuzz interop bench bench-check bench-update check clean setup lock
 
 demo: setup
 	$(BIN)/sdr-spoof demo --output $(OUT) --force
@@ -34,6 +34,11 @@ test: check
 # otherwise; what fails says its seed: make fuzz FUZZ_SECONDS=600 FUZZ_SEED=1234
 fuzz:
 	cargo test --locked --package sdr_spoof_core --test engine fuzz::long -- --ignored --nocapture
+
+# Other people's receivers on our recordings and ours on theirs, minutes each, not part of the
+# tests: make interop PEERS="gnss-sdr rtklib". Peers that are missing are skipped.
+interop: setup
+	$(BIN)/python tests/interop $(PEERS)
 
 check: setup
 	$(call step,cargo fmt)

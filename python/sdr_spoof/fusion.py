@@ -256,11 +256,12 @@ def _notes(log: TrackLog, examined: Sequence[Examined], verdict: str) -> Iterato
         by_series[e.of].append(e)
     idle: list[str] = []
     notes: list[str] = []
+    busy = {e.detector for e in examined if e.tests}
     for (detector, signal, _), es in by_series.items():
-        if verdict != NO_SUPPORT and not any(e.tests for e in es):
-            idle.append(detectors.find(detector).title)
-        else:
+        if verdict == NO_SUPPORT or any(e.tests for e in es):
             notes += _of_series(log, signal, es)
+        elif detector not in busy:
+            idle.append(detectors.find(detector).title)
     yield from dict.fromkeys(notes)
     if idle:
         yield f"too little support for: {', '.join(dict.fromkeys(idle))}"

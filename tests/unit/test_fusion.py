@@ -163,6 +163,13 @@ def test_a_satellite_with_one_signal_has_nothing_to_fall_back_to():
     assert verdict.action == "drop the satellite"
 
 
+def test_support_is_missing_only_where_nothing_of_a_detector_could_be_tested():
+    idle = examined(detector="power", signal="B1I", tested_s=0.0, quantity="noise floor")
+    busy = examined(detector="power", signal="B1I", quantity="C/N0")
+    assert judged(examined(), idle).reason.endswith("too little support for: Power")
+    assert "too little" not in judged(examined(), busy, idle).reason
+
+
 def test_the_confidence_counts_the_tests_made():
     weak = alarm(log10_p=-6.0)
     short = judged(examined(weak, signal=None, tested_s=10.0)).confidence

@@ -33,6 +33,12 @@ impl RunningMean {
         self.value += (value - self.value) * interval_s / self.elapsed_s.min(self.memory_s);
     }
 
+    /// Takes another value for the mean of what was added, with a value that stands for `interval_s`.
+    fn replace(&mut self, value: f64, interval_s: f64) {
+        self.elapsed_s += interval_s;
+        self.value = value;
+    }
+
     /// The mean; 0 while empty.
     pub fn value(&self) -> f64 {
         self.value
@@ -51,7 +57,13 @@ impl RunningMean {
 pub struct Cn0 {
     noise: RunningMean,
     ratio_hz: RunningMean,
+    /// Of the first prompts, over the square of the time that they were summed for.
+    first: RunningMean,
 }
+
+/// Until so much noise was heard, the ratio is that of both means: the power of few noise taps may
+/// be next to nothing, and one prompt over it would spoil the mean of ratios for seconds.
+const FIRST_NOISE_S: f64 = 0.05;
 
 impl Cn0 {
     /// An empty estimator; prompts are averaged over `memory_s`, noise over four times that.
@@ -59,6 +71,7 @@ impl Cn0 {
         Cn0 {
             noise: RunningMean::new(4.0 * memory_s),
             ratio_hz: RunningMean::new(memory_s),
+            first: RunningMean::new(FIRST_NOISE_S),
         }
     }
 
@@ -70,9 +83,18 @@ impl Cn0 {
     /// Adds a coherent prompt over `interval_s`.
     pub fn add_prompt(&mut self, prompt: C64, interval_s: f64) {
         let noise = self.noise_power(interval_s);
-        if noise > 0.0 {
+        if noise <= 0.0 {
+            return;
+        }
+        let power = prompt.norm_sqr();
+        if self.noise.elapsed_s() < FIRST_NOISE_S {
+            self.first
+                .add(power / (interval_s * interval_s), interval_s);
+            let ratio = self.first.value() * interval_s * interval_s / noise - 1.0;
+            self.ratio_hz.replace(ratio / interval_s, interval_s);
+        } else {
             self.ratio_hz
-                .add((prompt.norm_sqr() / noise - 1.0) / interval_s, interval_s);
+                .add((power / noise - 1.0) / interval_s, interval_s);
         }
     }
 
@@ -95,6 +117,7 @@ impl Cn0 {
     /// Forgets the prompts (not the noise), as after a restart.
     pub fn forget_signal(&mut self) {
         self.ratio_hz = RunningMean::new(self.ratio_hz.memory_s);
+        self.first = RunningMean::new(FIRST_NOISE_S);
     }
 }
 
@@ -147,5 +170,24 @@ impl Lock {
     /// Seconds added.
     pub fn elapsed_s(&self) -> f64 {
         self.aligned.elapsed_s()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_first_noise_tap_of_next_to_nothing_is_soon_forgotten() {
+        let mut cn0 = Cn0::new(0.5);
+        let (slice_s, signal, noise) = (1e-3, C64::new(10.0, 0.0), C64::new(1.0, 0.0));
+        for slice in 0..100 {
+            let tap = if slice == 0 { 0.01 * noise } else { noise };
+            cn0.add_noise(tap, slice_s);
+            cn0.add_prompt(signal, slice_s);
+        }
+        // |signal|^2 / |noise|^2 - 1, in 1 ms.
+        let expected = 10.0 * (99.0f64 / slice_s).log10();
+        assert!((cn0.dbhz() - expected).abs() < 0.2, "{}", cn0.dbhz());
     }
 }
