@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .signals import LIGHT_M_S
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -170,7 +172,7 @@ class Fixes:
         if not self.systems:
             return np.full(self.epochs, np.nan)
         first = np.argmax(np.isfinite(self.clock_m), axis=1)
-        return np.asarray(self.clock_m[np.arange(self.epochs), first] / 299_792_458.0)
+        return np.asarray(self.clock_m[np.arange(self.epochs), first] / LIGHT_M_S)
 
     def time(self, epoch: int) -> GnssTime:
         """Receiver time of an epoch, less the clock's offset where there is a fix."""

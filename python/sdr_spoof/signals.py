@@ -8,6 +8,9 @@ from functools import cache
 from . import _core
 from .errors import SignalError
 
+LIGHT_M_S = 299_792_458.0
+"""Speed of light in a vacuum (SI)."""
+
 
 @dataclass(frozen=True)
 class SignalSpec:

@@ -1,6 +1,6 @@
 """Satellites with messages: their symbols with noise, and tracks of them from the receiver's loops.
 
-Ephemerides are broadcast data of 2023-03-12 (tests/vectors/nav/README.md).
+Ephemerides are broadcast data of 2023-03-12 (tests/vectors/navigation/README.md).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from sdr_spoof.signals import signal_spec
 from sdr_spoof.sources import RecordingFormat
 from sdr_spoof.tracking import TrackingConfig, core_settings
 
-VECTORS = Path(__file__).parents[1] / "vectors" / "nav"
+VECTORS = Path(__file__).parents[1] / "vectors" / "navigation"
 FILE = VECTORS / "brd4_2023_03_12.rnx"
 NOON = GnssTime.of_week(2253, 43_500.0)
 """2023-03-12 12:05 GPST; the file has ephemerides about it."""

@@ -275,3 +275,14 @@ def test_decoding_does_not_depend_on_amplitude() -> None:
     one, other = (MESSAGES["D1"].decode(r) for r in (run, strong))
     assert [f.transmitted for f in one] == [f.transmitted for f in other]
     assert all((a.bits == b.bits).all() for a, b in zip(one, other, strict=True))
+
+
+def test_a_message_that_ends_before_its_signal_is_told() -> None:
+    """As after missing samples of whole code periods, which the loops do not notice."""
+    run = air("D1", 27, NOON, 40)
+    frames = MESSAGES["D1"].decode(run, NOON)
+    end_s = frames[-1].time_s + 6.0
+    assert anchors.silences(frames, Stretch("B1I", 27, 0.0, end_s + 11.0)) == []
+    (told,) = anchors.silences(frames, Stretch("B1I", 27, 0.0, end_s + 13.0))
+    assert told.startswith(f"C27 B1I: no message was received after {end_s:.1f} s")
+    assert anchors.silences([], Stretch("B1I", 27, 0.0, 99.0)) == []

@@ -1,4 +1,4 @@
-"""Subframes that satellites sent, and what another decoder says of them (tests/vectors/nav)."""
+"""Subframes that satellites sent, and what another decoder says of them."""
 
 import csv
 from dataclasses import replace

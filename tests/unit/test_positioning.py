@@ -15,6 +15,8 @@ from sdr_spoof.detectors.noise_floor import QUANTITY as NOISE_OF_THE_BAND
 from sdr_spoof.fixes import Cause, Status
 from sdr_spoof.nav.beidou_satellites import GEO
 from sdr_spoof.nav.geodesy import enu, geodetic_to_ecef
+from sdr_spoof.nav.rinex_nav import read_navigation
+from sdr_spoof.nav.rinex_nav_write import format_navigation
 from sdr_spoof.positioning import locate, try_locate
 from sdr_spoof.positioning.summary import sentences, summarise
 from sdr_spoof.records import Alarm as Alarm_
@@ -265,6 +267,17 @@ def test_wrong_time_gives_no_wrong_fix(short_log):
     found = locate(short_log, load_config(flags=HOT | {"navigation.time": late}))
     assert not (found.fixes.status == Status.FIX).any()
     assert found.notes
+
+
+def test_a_file_that_contradicts_the_messages_is_told(cold_log, tmp_path):
+    """Messages are sent later and are used; which of the two is forged is not known."""
+    told = read_navigation(BROADCAST)
+    false = tuple(replace(e, m0=e.m0 + 2e-4) if e.prn == 27 else e for e in told.ephemerides)
+    file = tmp_path / "false.rnx"
+    file.write_text(format_navigation(replace(told, ephemerides=false), "4.00"))
+    found = locate(cold_log, load_config(flags=PLAIN | {"navigation.files": str(file)}))
+    (note,) = [n for n in found.notes if "contradict" in n]
+    assert "C27 D1" in note and note.endswith("differs in m0")
 
 
 def test_defaults_locate(cold_log):

@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import re
 import sys
 from importlib.metadata import version
 from typing import TYPE_CHECKING
@@ -41,11 +42,14 @@ COMMANDS: tuple[Command, ...] = (
     reproduce.COMMAND,
 )
 
+_FLAG = re.compile(r"--[a-z][a-z-]*")
+_NEGATIVE_LIST = re.compile(r"-[\d.]+,")
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code and never raises for a user's mistake."""
     parser = _parser()
-    arguments = parser.parse_args(argv)
+    arguments = parser.parse_args(_southern(sys.argv[1:] if argv is None else argv))
     if arguments.command is None:
         parser.print_help(sys.stderr)
         return 2
@@ -106,6 +110,20 @@ def _parser() -> argparse.ArgumentParser:
         )
         sub.set_defaults(command=command)
     return parser
+
+
+def _southern(words: Sequence[str]) -> list[str]:
+    """Words of a command line, a place such as -33.9,18.4,0 joined to its flag.
+
+    argparse would take it for a flag itself.
+    """
+    joined: list[str] = []
+    for word in words:
+        if joined and _FLAG.fullmatch(joined[-1]) and _NEGATIVE_LIST.match(word):
+            joined[-1] += f"={word}"
+        else:
+            joined.append(word)
+    return joined
 
 
 def _fail(ui: Ui, message: str, code: int) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
+from datetime import datetime
 from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -51,7 +52,7 @@ class Command:
 
 
 def to_plain(value: Any) -> Any:
-    """JSON-ready copy of dataclasses, pydantic models, numpy values, paths and containers.
+    """JSON-ready copy of dataclasses, pydantic models, numpy values, paths, times and containers.
 
     NaN and infinities become null, which JSON can hold.
     """
@@ -71,7 +72,7 @@ def _plain_leaf(value: Any) -> Any:
         return to_plain(value.tolist())
     if isinstance(value, Enum):
         return value.name
-    if isinstance(value, Path):
+    if isinstance(value, Path | datetime):
         return str(value)
     if isinstance(value, complex):
         return [value.real, value.imag]

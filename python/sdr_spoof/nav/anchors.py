@@ -24,6 +24,8 @@ SAME_TIME_S = 0.2
 """Signals of all satellites that arrive together left within this."""
 CERTAIN_FRAMES = 2
 """So many frames that agree are believed against other satellites."""
+SILENT_FRAMES = 2
+"""A message has ended where so many frames did not come."""
 
 
 def from_frames(frames: Sequence[Frame], stretch: Stretch) -> list[Anchor]:
@@ -80,6 +82,25 @@ def jumps(found: Sequence[Anchor]) -> list[str]:
             f"{b.from_s:.1f} s, as if samples were missing from the recording"
         )
     return notes
+
+
+def silences(frames: Sequence[Frame], stretch: Stretch) -> list[str]:
+    """A sentence on a signal that goes on after its message has ended.
+
+    Missing samples of a whole number of code periods shift the symbols and nothing else: the loops
+    go on, no frame follows, and the time is wrong by as much.
+    """
+    if not frames:
+        return []
+    last = frames[-1]
+    end_s = last.time_s + last.duration_s
+    if stretch.until_s - end_s < SILENT_FRAMES * last.duration_s:
+        return []
+    name = satellite_name(last.system, last.prn)
+    return [
+        f"{name} {last.signal}: no message was received after {end_s:.1f} s, though the signal "
+        "goes on: if samples are missing from the recording, times from there on are wrong"
+    ]
 
 
 def shows_symbols(stretch: Stretch) -> bool:

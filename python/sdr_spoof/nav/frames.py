@@ -67,7 +67,7 @@ def _navigation(decoded: list[_Decoded], near: GnssTime | None) -> Navigation:
     found = []
     for d in decoded:
         own = anchors.from_frames(d.frames, d.stretch)
-        notes += anchors.jumps(own)
+        notes += anchors.jumps(own) + anchors.silences(d.frames, d.stretch)
         found += own if anchors.shows_symbols(d.stretch) else own[:1]
     frames = tuple(sorted((f for d in decoded for f in d.frames), key=lambda f: f.time_s))
     contents, more = _contents(frames)

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
+from sdr_spoof.signals import LIGHT_M_S
+
 from .clock import ClockPiece, plausible
 from .fit import Stencil, stencil
 from .transmit import Span, delay_offset_s
@@ -16,8 +18,6 @@ if TYPE_CHECKING:
 
     from .epochs import Epochs
     from .polarity import Polarity
-
-LIGHT_M_S = 299_792_458.0
 
 
 @dataclass(frozen=True)

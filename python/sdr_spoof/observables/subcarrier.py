@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from .polarity import Polarity
     from .transmit import Span
 
-LIGHT_M_S = 299_792_458.0
 CHOSEN_FROM_S = 60.0
 """So much of a stretch, at most, chooses the step."""
 SIGMAS = 4.0

@@ -22,7 +22,9 @@ from sdr_spoof.nav.records import Anchor
 from sdr_spoof.nav.symbols import symbols_of
 from sdr_spoof.observables.runs import runs_of
 from sdr_spoof.pvt import CodePhase, snapshot
-from sdr_spoof.signals import signal_spec
+from sdr_spoof.signals import LIGHT_M_S, signal_spec
+
+from .reasons import left_out
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -36,13 +38,17 @@ if TYPE_CHECKING:
     from sdr_spoof.pvt import PvtConfig
     from sdr_spoof.records import SignalTrack, TrackLog
 
-LIGHT_M_S = 299_792_458.0
 EARTH_RATE = 7.2921150e-5
 """rad/s: WGS-84 and CGCS2000 alike, to 5e-9 of it."""
 SETTLING_S = 1.0
 """The code loop of 1 Hz has settled after this, to 2 % of where it began."""
 UNSURE = 0.35
 """A counter that lies farther than this from a multiple, in periods, is not resolved."""
+
+FARTHER_OFF = (
+    "time, place or navigation file may be farther off than said, or samples of the recording "
+    "missing"
+)
 
 
 @dataclass(frozen=True)
@@ -83,12 +89,11 @@ def anchors_by(
         return (), ("no signal was tracked long enough for a snapshot",)
     fix = snapshot(phases, store, place_m, start + at_s, config)
     if not fix.fixed.any():
-        return (), (f"no fix by a snapshot of code phases: {fix.reason(0)}",)
+        told = f"no fix by a snapshot of code phases: {fix.reason(0)}; {FARTHER_OFF}"
+        return (), (*left_out(fix), told)
     if fix.status[0] == Status.SUSPECT:
-        return (), (
-            "a snapshot of code phases contradicts itself: time, place or navigation file may be "
-            "farther off than said",
-        )
+        told = f"a snapshot of code phases contradicts itself; {FARTHER_OFF}"
+        return (), (*left_out(fix), told)
     found = start + (fix.time(0) - (start + at_s))
     anchors = anchors_at(log, store, found, fix.position_m[0])
     late_s = found - start

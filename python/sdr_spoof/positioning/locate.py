@@ -8,15 +8,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sdr_spoof.errors import NavigationError
-from sdr_spoof.fixes import CAUSES, Cause, Status
+from sdr_spoof.fixes import Status
 from sdr_spoof.nav.frames import decode
 from sdr_spoof.nav.geodesy import geodetic_to_ecef
 from sdr_spoof.nav.rinex_nav import read_navigation
-from sdr_spoof.nav.store import Store
+from sdr_spoof.nav.store import Store, conflicts
 from sdr_spoof.nav.time import GnssTime
 from sdr_spoof.observables import ReceiverClock, observe
+from sdr_spoof.signals import LIGHT_M_S
 
 from .hot import anchors_by
+from .reasons import reasons
 from .route import route_of
 from .single import single_fix
 from .trust import solve_trusted
@@ -86,15 +88,17 @@ def locate(
     began = config.navigation.time or start
     near = GnssTime.of_utc(began) if began is not None else None
     navigation = decode(log, near)
+    received = navigation
     for path in config.navigation.files:
         told = read_navigation(path)
-        navigation = _noted(navigation + told, *told.notes)
+        differ = [f"{path} and the message contradict: {c}" for c in conflicts(told, received)]
+        navigation = _noted(navigation + told, *told.notes, *differ)
     found = None
     if not navigation.anchors:
         navigation, found = _hot(log, navigation, config, near, acquisitions)
     seen, fixes = found or _fixes(log, navigation, config, verdict)
     route = route_of(fixes, seen, verdict)
-    notes = (*navigation.notes, *seen.notes, *_reasons(fixes))
+    notes = (*navigation.notes, *seen.notes, *reasons(fixes))
     return Located(navigation, seen, fixes, route, tuple(dict.fromkeys(notes)))
 
 
@@ -178,7 +182,9 @@ def _line(time_s: NDArray[np.float64], fixes: Fixes, rows: NDArray[np.intp]) -> 
     """Bias in s at time 0 and drift, by medians, which a few wrong fixes do not move."""
     bias = fixes.clock_s[rows]
     if rows.size < LINE_FIXES:
-        return float(np.median(bias)), float(np.nan_to_num(np.median(fixes.drift_m_s[rows]))) / C
+        return float(np.median(bias)), float(
+            np.nan_to_num(np.median(fixes.drift_m_s[rows]))
+        ) / LIGHT_M_S
     half = rows.size // 2
     run = np.median(time_s[-half:]) - np.median(time_s[:half])
     drift = float((np.median(bias[-half:]) - np.median(bias[:half])) / run)
@@ -189,19 +195,3 @@ ENOUGH_S = 10.0
 """Of shorter recordings the first round takes ten epochs a second."""
 LINE_FIXES = 10
 """Of fewer fixes the drift is that of their velocities."""
-C = 299_792_458.0
-
-
-def _reasons(fixes: Fixes) -> list[str]:
-    """Why satellites were left out, and why there is no fix, in words."""
-    left_out: dict[Cause, dict[str, None]] = {}
-    for e in fixes.excluded:
-        if e.cause not in (Cause.LOW, Cause.NO_FIX, Cause.NOT_WANTED):
-            left_out.setdefault(e.cause, {})[e.satellite] = None
-    reasons = [f"{CAUSES[cause]}: {', '.join(names)}" for cause, names in left_out.items()]
-    if fixes.epochs and not fixes.fixed.any():
-        hint = ""
-        if Cause.NO_EPHEMERIS in left_out:
-            hint = "; a navigation file would tell the orbits that were not received in full"
-        reasons.append(f"no fix: {fixes.reason(fixes.epochs - 1)}{hint}")
-    return reasons

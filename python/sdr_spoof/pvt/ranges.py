@@ -8,7 +8,7 @@ import numpy as np
 
 from sdr_spoof import _core
 from sdr_spoof.observations import SUBCARRIER
-from sdr_spoof.signals import signal_spec
+from sdr_spoof.signals import LIGHT_M_S, signal_spec
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from .config import PvtConfig
     from .ephemerides import Choice
 
-LIGHT_M_S = 299_792_458.0
 REFERENCE_DBHZ = 45.0
 SLOW_HZ = 1.1e6
 SLOW_NOISE, BOC_NOISE = 2.0, 0.5

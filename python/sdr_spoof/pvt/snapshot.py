@@ -18,7 +18,7 @@ from sdr_spoof.nav.geodesy import azimuth_elevation
 from sdr_spoof.nav.orbit import states, table
 from sdr_spoof.nav.store import Store
 from sdr_spoof.observations import Observations, ObservedSignal
-from sdr_spoof.signals import signal_spec
+from sdr_spoof.signals import LIGHT_M_S, signal_spec
 
 from . import models, ranges
 from .config import PvtConfig
@@ -39,7 +39,6 @@ if TYPE_CHECKING:
 
     Found = tuple[int, list[float], float, list[float], list[float], float, int, int | None]
 
-LIGHT_M_S = 299_792_458.0
 TOLD_APART = 1e-3
 """Codes of this period in s need a coarse place; longer ones hardly do."""
 
