@@ -10,13 +10,12 @@ likelihood) among those up to three errors away, and the probability that it is 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .soft import doubt
+from .soft import Decoded, doubt
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -83,18 +82,6 @@ def wrong_blocks(hard: NDArray[np.uint8]) -> NDArray[np.bool_]:
     blocks = hard[:, SENT]
     parity = CODEWORDS[blocks[:, :, :INFORMATION].astype(np.int64) @ _WEIGHTS]
     return np.asarray((parity != blocks).any(axis=2))
-
-
-@dataclass(frozen=True)
-class Decoded:
-    """Subframes, most likely bits; F of them."""
-
-    bits: NDArray[np.uint8]
-    """(F, 300), in the ICD's order."""
-    corrected: NDArray[np.intp]
-    """(F, 19): bits that differ from the hard decisions."""
-    doubt: NDArray[np.float64]
-    """(F, 19): probability that the block is wrong."""
 
 
 def decode(soft: NDArray[np.float32], noise: float) -> Decoded:

@@ -19,7 +19,7 @@ from .subframes import SubframeMessage
 from .sync import preamble_errors
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -83,6 +83,12 @@ class BeidouMessage(SubframeMessage):
         wrong = np.where(same, errors[at], PREAMBLE.size - errors[at])
         # The majority tells; symbols beyond the end count as 0, and are too few to turn it.
         return np.asarray(inside & (wrong < PREAMBLE.size // 2))
+
+
+def together(times: Sequence[GnssTime]) -> bool:
+    """Whether subframes of these times are of one set: new ones begin with the hour."""
+    spread = max(times) - min(times)
+    return spread < 60.0 and len({t.week_tow("C")[1] // 3600 for t in times}) == 1
 
 
 def legacy_ephemeris(

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Self
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from .ephemeris import Ephemeris
     from .time import GnssTime
 
@@ -22,6 +24,17 @@ class Klobuchar:
     """Whose model: G for GPS's form (geomagnetic latitude, at L1), C for that of BDS (geographic
     latitude, at B1I)."""
     transmitted: GnssTime | None = None
+
+    @classmethod
+    def of(cls, values: Iterable[float], system: str, transmitted: GnssTime) -> Self:
+        """From alpha0 to alpha3 and beta0 to beta3, as messages and files have them."""
+        a0, a1, a2, a3, b0, b1, b2, b3 = values
+        return cls((a0, a1, a2, a3), (b0, b1, b2, b3), system, transmitted)
+
+    def fields(self) -> dict[str, float]:
+        """By the names that messages have for them: alpha0 to beta3."""
+        names = (f"{kind}{n}" for kind in ("alpha", "beta") for n in range(4))
+        return dict(zip(names, (*self.alpha, *self.beta), strict=True))
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import beidou_pages, keplerian
-from .beidou import SIGNAL, BeidouMessage, legacy_ephemeris
+from .beidou import SIGNAL, BeidouMessage, legacy_ephemeris, together
 from .beidou_pages import PAGE, Slot
 from .beidou_satellites import NOT_GEO
 from .bits import Field, layout
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     from .broadcast import Broadcast
     from .records import Frame
-    from .time import GnssTime
 
 PAGES, EXPANDED_CYCLES = 24, 3
 PAGED = 4
@@ -134,7 +133,8 @@ class D1Message(BeidouMessage):
             delay = content.ephemeris.group_delay_s
             CLOCK.write(bits, fields | {"tgd1": delay("B1I"), "tgd2": delay("B2I")})
             WEEK.write(bits, week % 8192)
-            write_klobuchar(bits, content.klobuchar)
+            if content.klobuchar is not None:
+                KLOBUCHAR.write(bits, content.klobuchar.fields())
         elif number == 2:
             ORBIT_2.write(bits, fields)
             TOE_HIGH.write(bits, round(fields["toe"] / TOE_STEP_S) >> TOE_LOW_BITS)
@@ -161,7 +161,9 @@ class D1Message(BeidouMessage):
                 continue
             latest[frame.number] = frame
             if frame.number == 1:
-                contents += Contents(ionosphere=(read_klobuchar(frame.bits, frame.transmitted),))
+                values = KLOBUCHAR.read(frame.bits).values()
+                model = Klobuchar.of(values, "C", frame.transmitted)
+                contents += Contents(ionosphere=(model,))
             contents += self._orbit(latest)
         return contents.distinct()
 
@@ -175,22 +177,3 @@ class D1Message(BeidouMessage):
         fields["toe"] = toe * TOE_STEP_S
         start = min(f.transmitted for f in latest.values())
         return legacy_ephemeris(latest[1].prn, D1, fields, start)
-
-
-def together(times: Sequence[GnssTime]) -> bool:
-    """Whether subframes of these times are of one set: new ones begin with the hour."""
-    spread = max(times) - min(times)
-    return spread < 60.0 and len({t.week_tow("C")[1] // 3600 for t in times}) == 1
-
-
-def write_klobuchar(bits: NDArray[np.uint8], model: Klobuchar | None) -> None:
-    """Write the ionosphere of subframe 1."""
-    if model is not None:
-        names = [f"{kind}{n}" for kind in ("alpha", "beta") for n in range(4)]
-        KLOBUCHAR.write(bits, dict(zip(names, (*model.alpha, *model.beta), strict=True)))
-
-
-def read_klobuchar(bits: NDArray[np.uint8], now: GnssTime) -> Klobuchar:
-    """Ionosphere of subframe 1."""
-    a0, a1, a2, a3, b0, b1, b2, b3 = KLOBUCHAR.read(bits).values()
-    return Klobuchar((a0, a1, a2, a3), (b0, b1, b2, b3), "C", now)

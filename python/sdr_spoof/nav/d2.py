@@ -12,12 +12,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import beidou_pages, keplerian
-from .beidou import SIGNAL, BeidouMessage, legacy_ephemeris
+from .beidou import SIGNAL, BeidouMessage, legacy_ephemeris, together
 from .beidou_pages import PAGE, Slot
 from .beidou_satellites import GEO
 from .bits import PAGE_BITS, Field, layout
 from .broadcast import Contents, Klobuchar
-from .d1 import together
 from .ephemeris import D2
 
 if TYPE_CHECKING:
@@ -158,9 +157,7 @@ class D2Message(BeidouMessage):
         if page == CLOCK_PAGE:
             WEEK.write(bits, week % 8192)
         if page == IONOSPHERE_PAGE and content.klobuchar is not None:
-            model = content.klobuchar
-            names = [field.name for field in KLOBUCHAR.fields]
-            KLOBUCHAR.write(bits, dict(zip(names, (*model.alpha, *model.beta), strict=True)))
+            KLOBUCHAR.write(bits, content.klobuchar.fields())
 
     def read(self, frames: Sequence[Frame]) -> Contents:
         """Put together what the frames of one satellite say."""
@@ -172,8 +169,8 @@ class D2Message(BeidouMessage):
             if frame.number == 5:
                 contents += beidou_pages.read(frame.bits, slot(frame.page), D2, frame.transmitted)
             elif frame.number == 1 and frame.page == IONOSPHERE_PAGE:
-                a0, a1, a2, a3, b0, b1, b2, b3 = KLOBUCHAR.read(frame.bits).values()
-                model = Klobuchar((a0, a1, a2, a3), (b0, b1, b2, b3), "C", frame.transmitted)
+                values = KLOBUCHAR.read(frame.bits).values()
+                model = Klobuchar.of(values, "C", frame.transmitted)
                 contents += Contents(ionosphere=(model,))
             elif frame.number == 1 and 1 <= frame.page <= BASIC_PAGES:
                 latest[frame.page] = frame

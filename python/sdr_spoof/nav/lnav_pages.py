@@ -137,9 +137,7 @@ def fill(bits: NDArray[np.uint8], place: Slot, content: Broadcast, now: GnssTime
 
 def _fill_utc(bits: NDArray[np.uint8], content: Broadcast, now: GnssTime) -> None:
     if content.klobuchar is not None:
-        model = content.klobuchar
-        names = [f.name for f in IONOSPHERE.fields]
-        IONOSPHERE.write(bits, dict(zip(names, (*model.alpha, *model.beta), strict=True)))
+        IONOSPHERE.write(bits, content.klobuchar.fields())
     if content.utc is not None:
         utc = content.utc
         reference = almanac.reference(now, "G")
@@ -177,8 +175,7 @@ def read(bits: NDArray[np.uint8], now: GnssTime) -> Contents:
 
 
 def _read_utc(bits: NDArray[np.uint8], now: GnssTime) -> Contents:
-    a0, a1, a2, a3, b0, b1, b2, b3 = IONOSPHERE.read(bits).values()
-    model = Klobuchar((a0, a1, a2, a3), (b0, b1, b2, b3), "G", now)
+    model = Klobuchar.of(IONOSPHERE.read(bits).values(), "G", now)
     values = UTC.read(bits)
     if not bits[150:].any():
         return Contents(ionosphere=(model,))

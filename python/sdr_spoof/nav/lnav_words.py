@@ -6,13 +6,12 @@ of the word before, D29* and D30*, enter its parity, and D30* inverts its data.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .soft import doubt
+from .soft import Decoded, doubt
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -91,18 +90,6 @@ def _patterns() -> dict[int, NDArray[np.float32]]:
 
 _BITS = 1 << np.arange(6)
 PATTERNS = _patterns()
-
-
-@dataclass(frozen=True)
-class Decoded:
-    """Subframes, most likely bits; F of them."""
-
-    bits: NDArray[np.uint8]
-    """(F, 300): source data and parity."""
-    corrected: NDArray[np.intp]
-    """(F, 10)"""
-    doubt: NDArray[np.float64]
-    """(F, 10): probability that the word is wrong."""
 
 
 def decode(soft: NDArray[np.float32], noise: float) -> Decoded:

@@ -143,5 +143,5 @@ def _ionosphere(system: str, message: str, lines: list[str]) -> Contents:
     if message == "CNVX" and system == "C":
         bdgim = Bdgim((v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8]), "C", time)
         return Contents(ionosphere=(bdgim,))
-    model = Klobuchar((v[0], v[1], v[2], v[3]), (v[4], v[5], v[6], v[7]), system, time)
+    model = Klobuchar.of(v[:8], system, time)
     return Contents(ionosphere=(model,))

@@ -1,7 +1,8 @@
-"""Amplitude and noise of soft symbols."""
+"""Soft symbols: their amplitude and noise, and what is made of them."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +17,18 @@ UNCERTAIN = 0.4
 not told from chance."""
 SURPRISE = 1e-8
 """Chance, word by word, of something other than Gaussian noise: a half-cycle slip, interference."""
+
+
+@dataclass(frozen=True)
+class Decoded:
+    """Subframes, most likely bits: F subframes of W words (or blocks of a code)."""
+
+    bits: NDArray[np.uint8]
+    """(F, 300), in the ICD's order; source data and parity."""
+    corrected: NDArray[np.intp]
+    """(F, W): bits that differ from the hard decisions."""
+    doubt: NDArray[np.float64]
+    """(F, W): probability that the word is wrong."""
 
 
 def doubt(
