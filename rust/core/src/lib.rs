@@ -13,6 +13,7 @@ pub mod correlator_level;
 pub mod dsp;
 pub mod error;
 pub mod fec;
+pub mod inertial;
 pub mod nav_math;
 pub mod nco;
 pub mod sample;
