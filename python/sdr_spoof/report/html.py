@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
@@ -16,6 +17,7 @@ from sdr_spoof.fusion import share_of
 from sdr_spoof.positioning import Located
 from sdr_spoof.records import Acquisition, Alarm, SatelliteVerdict, TrackLog, Verdict
 from sdr_spoof.report import words
+from sdr_spoof.report.chart import Drawing
 from sdr_spoof.report.evidence import EvidenceBook
 from sdr_spoof.report.figures.case import Case
 from sdr_spoof.report.figures.difference import draw_difference
@@ -25,7 +27,7 @@ from sdr_spoof.report.figures.signals import draw_acquisition, draw_cn0
 from sdr_spoof.report.figures.spectrum import draw_spectrum
 from sdr_spoof.report.figures.truth import TruthMark
 from sdr_spoof.report.position import draw_position
-from sdr_spoof.report.spectrum import RecordingLike, estimate_spectrum
+from sdr_spoof.report.spectrum import RecordingLike, Spectrum, estimate_spectrum
 from sdr_spoof.satellites import tracks_of
 from sdr_spoof.sinks.atomic import replacing
 from sdr_spoof.verdict import CLEAN, NO_SUPPORT, SPOOFED, SUSPECT, statistics
@@ -37,6 +39,9 @@ MOST_OVERVIEWS = 3
 """Overviews at the top of the report; those of further satellites are in their details."""
 MOST_ALARMS = 2
 """Alarms of a satellite with a figure of their own; the overview shows them all."""
+Detail = tuple[
+    SatelliteVerdict, Drawing, Drawing | None, Drawing | None, list[tuple[Alarm, Drawing]]
+]
 LIBRARIES = ("sdr-spoof", "numpy", "scipy", "matplotlib")
 
 
@@ -52,24 +57,29 @@ def write_report(
     truth: TruthMark | None = None,
     located: Located | None = None,
     why_not_located: str = "",
+    book: EvidenceBook | None = None,
     force: bool = False,
 ) -> Path:
     """Writes the report; the same input gives the same bytes.
 
     ``recording`` is read for the spectrum and may be None; ``effective_config`` is the (nested)
-    configuration of the whole run; ``why_not_located`` says why there are no
-    positions. Raises OutputError if the file exists (unless ``force``) or cannot be written.
+    configuration of the whole run; ``why_not_located`` says why there are no positions; ``book``
+    has what detection showed, without it all tests are made again. Raises OutputError if the file
+    exists (unless ``force``) or cannot be written.
     """
     path = Path(path)
     if path.exists() and not force:
         raise OutputError(f"{path}: exists already; add --force to replace it")
     ordered = words.ordered(verdict)
-    tests = _draw_tests(log, ordered, detection, truth)
+    with ThreadPoolExecutor(max_workers=1) as pool:  # its transforms leave Python free
+        later = pool.submit(_spectrum, recording)
+        tests = _draw_tests(log, verdict, book or _book_of(log, detection), truth)
+        details = list(_details(ordered[:MOST_DETAILS], log, tests))
+        spectrum = later.result()
     verdicts = {(s.system, s.prn): s.verdict for s in ordered}
     signals = list(
         dict.fromkeys([t.signal for t in log.signals] or [a.signal for a in acquisitions])
     )
-    spectrum = estimate_spectrum(recording) if recording is not None else None
     content = _template().stream(
         words=words,
         verdict=verdict,
@@ -89,7 +99,7 @@ def write_report(
         table=list(tests.book.rows(detection.detectors, list(verdicts))),
         verdicts=verdicts,
         overviews=[(s, tests.overviews[s.system, s.prn]) for s in ordered if _on_top(s, ordered)],
-        details=list(_details(ordered[:MOST_DETAILS], log, tests)),
+        details=details,
         position=draw_position(located, why_not_located),
         left_out=[words.satellite_name(s.system, s.prn) for s in ordered[MOST_DETAILS:]],
         config=list(flatten(effective_config or {"detection": detection.model_dump()})),
@@ -99,6 +109,10 @@ def write_report(
     with replacing(path, force=force) as temporary:
         content.dump(str(temporary), encoding="utf-8")  # never in one string: it has megabytes
     return path
+
+
+def _spectrum(recording: RecordingLike | None) -> Spectrum | None:
+    return estimate_spectrum(recording) if recording is not None else None
 
 
 def _template() -> Template:
@@ -121,40 +135,55 @@ def _on_top(satellite: SatelliteVerdict, ordered: Sequence[SatelliteVerdict]) ->
 class _Tests:
     """What was tested, and pictures of it."""
 
-    book: EvidenceBook = field(default_factory=EvidenceBook)
-    overviews: dict[tuple[str, int], str] = field(default_factory=dict)
-    alarms: dict[Alarm, str] = field(default_factory=dict)
-    quiet: dict[tuple[str, int], str] = field(default_factory=dict)
+    book: EvidenceBook
+    overviews: dict[tuple[str, int], Drawing] = field(default_factory=dict)
+    alarms: dict[Alarm, Drawing] = field(default_factory=dict)
+    quiet: dict[tuple[str, int], Drawing] = field(default_factory=dict)
     """Of satellites without an alarm."""
 
 
-def _draw_tests(
-    log: TrackLog,
-    satellites: Sequence[SatelliteVerdict],
-    config: DetectionConfig,
-    truth: TruthMark | None,
-) -> _Tests:
-    verdicts = {(s.system, s.prn): s for s in satellites}
-    detailed = {(s.system, s.prn) for s in satellites[:MOST_DETAILS]}
-    drawn = _Tests()
-    shown = share_of(config)
+def _book_of(log: TrackLog, config: DetectionConfig) -> EvidenceBook:
+    book = EvidenceBook(config)
     for series in statistics(log, config):
-        if series.time_s.size:
-            key = series.system, series.prn
-            drawn.book.satellites[key].take(series, shown, verdicts[key].alarms)
-            for alarm in verdicts[key].alarms[:MOST_ALARMS] if key in detailed else ():
-                if series.raised(alarm) and series.covers(alarm.alarm_s):
-                    drawn.alarms[alarm] = draw_difference(series, shown, alarm, _of(truth, *key))
+        book.take(series)
         del series  # before the next one is made: they are large
-    for satellite in satellites[:MOST_DETAILS]:
+    return book
+
+
+def _draw_tests(
+    log: TrackLog, verdict: Verdict, book: EvidenceBook, truth: TruthMark | None
+) -> _Tests:
+    book.judge(verdict)
+    satellites = words.ordered(verdict)[:MOST_DETAILS]
+    shown = [alarm for s in satellites for alarm in s.alarms[:MOST_ALARMS]]
+    drawn = _Tests(book, alarms=_draw_alarms(log, book.config, shown, truth))
+    for satellite in satellites:
         key = satellite.system, satellite.prn
-        if key not in drawn.book.satellites:
+        if key not in book.satellites:
             continue
-        case = Case.of(satellite, drawn.book.satellites[key], log, _of(truth, *key))
+        case = Case.of(satellite, book.satellites[key], log, _of(truth, *key))
         if satellite.alarms:
             drawn.overviews[key] = draw_overview(case)
         elif (quiet := draw_quiet(case)) is not None:
             drawn.quiet[key] = quiet
+    return drawn
+
+
+def _draw_alarms(
+    log: TrackLog, config: DetectionConfig, alarms: Sequence[Alarm], truth: TruthMark | None
+) -> dict[Alarm, Drawing]:
+    """Measurement and statistic around alarms; their detectors run once more."""
+    names = [n for n in dict.fromkeys(config.detectors) if n in {a.detector for a in alarms}]
+    if not names:
+        return {}
+    some = share_of(config, len(names)).model_copy(update={"detectors": tuple(names)})
+    drawn = {}
+    for series in statistics(log, some):
+        for alarm in alarms:
+            if series.raised(alarm) and series.covers(alarm.alarm_s):
+                mark = _of(truth, alarm.system, alarm.prn)
+                drawn[alarm] = draw_difference(series, share_of(config), alarm, mark)
+        del series  # before the next one is made: they are large
     return drawn
 
 
@@ -164,7 +193,7 @@ def _of(truth: TruthMark | None, system: str, prn: int) -> TruthMark | None:
 
 def _details(
     satellites: Sequence[SatelliteVerdict], log: TrackLog, tests: _Tests
-) -> Iterator[tuple[SatelliteVerdict, str, str | None, str | None, list[tuple[Alarm, str]]]]:
+) -> Iterator[Detail]:
     """(satellite, small multiples, overview not at the top, tests of a quiet one, alarms)."""
     for satellite in satellites:
         key = satellite.system, satellite.prn

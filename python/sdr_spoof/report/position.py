@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from sdr_spoof.positioning.summary import sentences, summarise
+from sdr_spoof.report.chart import Drawing
 from sdr_spoof.report.figures.position import draw_geometry, draw_track
 from sdr_spoof.report.figures.sky_plot import draw_sky
 
@@ -19,7 +20,7 @@ class PositionPart:
 
     sentences: tuple[str, ...]
     notes: tuple[str, ...] = ()
-    figures: tuple[tuple[str, str], ...] = ()
+    figures: tuple[tuple[str, Drawing], ...] = ()
     """(what it shows, picture)."""
 
 
