@@ -3,7 +3,10 @@
 //! Body axes are forward, right, down; local axes north, east, down (NED). SI units, angles in rad.
 
 mod draws;
+pub mod earth;
 pub mod errors;
+pub mod gravity;
+pub mod ideal;
 
 use nalgebra::{UnitQuaternion, Vector3};
 
