@@ -155,76 +155,95 @@ pub fn increments(origin: Geodetic, knots: &[Knot], step: f64, per: usize) -> Ve
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::inertial::closed_form::{aircraft, drone, ship, vehicle, Path};
+    use crate::inertial::strapdown::error_of;
+    use crate::inertial::Strapdown;
 
     const ORIGIN: Geodetic = Geodetic {
         latitude: 0.6,
         longitude: 1.9,
         height: 400.0,
     };
+    const STEP: f64 = 0.01;
+
+    /// Where a path begins, and its knots beyond that place.
+    fn knots(path: &Path, count: usize) -> (Geodetic, Vec<Knot>) {
+        let origin = Geodetic {
+            latitude: path.latitude.start,
+            longitude: path.longitude.start,
+            height: path.height.start,
+        };
+        let mut moved = path.clone();
+        (moved.latitude.start, moved.longitude.start) = (0.0, 0.0);
+        moved.height.start = 0.0;
+        let one = |k: usize| {
+            let m = &moved;
+            let curves = [
+                &m.latitude,
+                &m.longitude,
+                &m.height,
+                &m.yaw,
+                &m.pitch,
+                &m.roll,
+            ];
+            let mut knot = [0.0; 12];
+            for (axis, curve) in curves.into_iter().enumerate() {
+                (knot[axis], knot[axis + 6], _) = curve.at(STEP * k as f64);
+            }
+            knot
+        };
+        (origin, (0..count).map(one).collect())
+    }
 
     #[test]
     fn a_body_at_rest_feels_the_earth() {
         let mut knot = [0.0; 12];
         knot[3] = 0.5;
-        let got = increments(ORIGIN, &[knot; 3], 0.01, 2);
+        let got = increments(ORIGIN, &[knot; 3], STEP, 2);
         assert_eq!(got.len(), 1);
         let earth = Earth::at(ORIGIN.latitude, ORIGIN.height);
-        let north = earth.rotation().x * 0.02;
-        let expected = Vector3::new(
-            north * 0.5_f64.cos(),
-            -north * 0.5_f64.sin(),
-            earth.rotation().z * 0.02,
-        );
+        let spin = earth.rotation() * 2.0 * STEP;
+        let (sin, cos) = 0.5_f64.sin_cos();
+        let expected = Vector3::new(spin.x * cos, -spin.x * sin, spin.z);
         assert!((got[0].rotation - expected).norm() < 1e-17);
         let g = gravity::normal(earth.sin, ORIGIN.height);
-        assert!((got[0].velocity - Vector3::new(0.0, 0.0, -0.02 * g)).norm() < 1e-15);
+        let plumb = Vector3::new(0.0, 0.0, -2.0 * STEP * g);
+        assert!((got[0].velocity - plumb).norm() < 1e-15);
     }
 
-    /// Eastwards at a constant speed along a parallel: centripetal and Coriolis acceleration, and
-    /// body axes that keep to the parallel.
     #[test]
-    fn a_body_on_a_parallel_feels_its_curve() {
-        let earth = Earth::at(ORIGIN.latitude, ORIGIN.height);
-        let (speed, step) = (40.0, 0.01);
-        let rate = speed / (earth.normal * earth.cos);
-        let knots: Vec<Knot> = (0..3)
-            .map(|k| {
-                let mut knot = [0.0; 12];
-                (knot[1], knot[7]) = (rate * step * f64::from(k), rate);
-                knot
-            })
-            .collect();
-        let got = increments(ORIGIN, &knots, step, 2)[0];
-        // About the axis of the Earth, at a distance from it.
-        let turn = crate::inertial::earth::ROTATION_RATE + rate;
-        let expected = Vector3::new(earth.cos, 0.0, -earth.sin) * turn * 2.0 * step;
-        assert!((got.rotation - expected).norm() < 1e-15);
-        // Towards the axis, beyond what plumb lines at rest already hold.
-        let spin = crate::inertial::earth::ROTATION_RATE;
-        let inwards = (turn * turn - spin * spin) * earth.normal * earth.cos;
-        let g = gravity::normal(earth.sin, ORIGIN.height);
-        let force = Vector3::new(inwards * earth.sin, 0.0, inwards * earth.cos - g);
-        assert!((got.velocity - force * 2.0 * step).norm() < 1e-14);
+    fn increments_are_those_of_closed_forms() {
+        for path in [vehicle(), aircraft(), ship(), drone()] {
+            let (origin, knots) = knots(&path, 401);
+            let got = increments(origin, &knots, STEP, 2);
+            let (mut rotation, mut velocity) = (Vector3::zeros(), Vector3::zeros());
+            for (k, got) in got.iter().enumerate() {
+                let expected = path.increment(2.0 * STEP * k as f64, 2.0 * STEP);
+                assert!((got.rotation - expected.rotation).norm() < 2e-10);
+                assert!((got.velocity - expected.velocity).norm() < 2e-9);
+                rotation += got.rotation - expected.rotation;
+                velocity += got.velocity - expected.velocity;
+            }
+            // Nothing is accumulated.
+            assert!(
+                rotation.norm() < 1e-9 && velocity.norm() < 2e-8,
+                "{rotation} {velocity}"
+            );
+        }
     }
 
-    /// A body that rolls over while it yaws: the rates of its axes against finite rotations.
     #[test]
-    fn rates_are_those_of_the_axes() {
-        let jets = |t: f64| {
-            [
-                Jet(0.3 + 0.7 * t, 0.7, 0.0),
-                Jet(-0.2 + 0.4 * t, 0.4, 0.0),
-                Jet(1.0 - 0.9 * t, -0.9, 0.0),
-            ]
-        };
-        let at = |t: f64| {
-            let [yaw, pitch, roll] = jets(t);
-            turned(yaw, pitch, roll)
-        };
-        let small = 1e-6;
-        let (axes, rate) = at(0.0);
-        let change = (at(small).0 - at(-small).0) / (2.0 * small) * axes.transpose();
-        let expected = -rate.cross_matrix();
-        assert!((change - expected).abs().max() < 1e-9);
+    fn a_strapdown_comes_back_to_the_trajectory() {
+        for path in [vehicle(), ship()] {
+            let count = 175_000;
+            let mut ins = Strapdown::new(path.state(0.0));
+            let (origin, knots) = knots(&path, count + 1);
+            for increment in increments(origin, &knots, STEP, 1) {
+                ins.advance(&increment);
+            }
+            let error = error_of(ins.state(), &path.state(STEP * count as f64));
+            assert!(error.velocity.norm() < 1e-4, "{error:?}");
+            assert!(error.position.norm() < 0.05, "{error:?}");
+        }
     }
 }
