@@ -6,6 +6,7 @@ pub mod batch;
 #[cfg(test)]
 pub(crate) mod closed_form;
 pub mod coning;
+pub mod covariance;
 mod draws;
 pub mod earth;
 pub mod ecef;
