@@ -7,6 +7,8 @@ mod acquire;
 mod bench;
 mod fec;
 mod fixes;
+mod imu;
+mod inertial;
 mod navigation;
 mod signals;
 mod simulate;
@@ -29,6 +31,8 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     fec::register(m)?;
     navigation::register(m)?;
     fixes::register(m)?;
+    imu::register(m)?;
+    inertial::register(m)?;
     // Load numpy's C interface here, where an error can be raised: loaded on first use, it would
     // panic when Ctrl-C comes in between.
     m.py().import("numpy")?;
