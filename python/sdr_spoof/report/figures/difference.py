@@ -89,10 +89,10 @@ def _rate(series: StatisticSeries, config: DetectionConfig, window: Window) -> P
         # Both the threshold and a drag far beyond it must be seen.
         panel.y.symlog = Symlog(2 * typical, 1.0)
         decades = 10.0 ** np.arange(np.ceil(np.log10(2 * typical)), np.ceil(np.log10(peak)) + 1)
-        outer = [float(d) for d in decades if d <= 1.5 * peak] or [peak]
+        outer = [float(d) for d in decades if d <= peak] or [peak]
         inner = float(f"{typical:.1g}")
         panel.y.ticks = [*(-d for d in reversed(outer)), -inner, 0.0, inner, *outer]
-        panel.y.names = [f"{t:g}".replace("-", "−") for t in panel.y.ticks]
+        panel.y.names = [f"{t:.3g}".replace("-", "−") for t in panel.y.ticks]
     return panel
 
 
