@@ -25,7 +25,7 @@ GUARD_COLOURS = {
     Guard.STARTING: "#dfe4e9",
     Guard.TRUSTED: "#00694f",
     Guard.DECIDING: "#c98a00",
-    Guard.PARTIAL: "#e08214",
+    Guard.PARTIAL: "#8263b0",
     Guard.COASTING: "#c0392b",
 }
 USE_COLOURS = {Use.USED: "#7fb69f", Use.EXCLUDED: "#c0392b", Use.NAMED: "#7a1f5c"}
@@ -72,7 +72,9 @@ def draw_map(track: AidedTrack, truth_m: NDArray[np.float64] | None) -> str:
         known = np.flatnonzero(np.isfinite(aided[:, 0]))
         if known.size:
             axes.plot(*aided[known[0], :2], "o", color=style.INK, markersize=6, zorder=5)
-            axes.annotate("start", aided[known[0], :2], xytext=(6, 6), textcoords="offset points")
+            axes.annotate(
+                "start", tuple(aided[known[0], :2]), xytext=(6, 6), textcoords="offset points"
+            )
         axes.set_aspect("equal", adjustable="datalim")
         axes.set_xlabel("East (m)")
         axes.set_ylabel("North (m)")
@@ -104,9 +106,7 @@ def draw_errors(track: AidedTrack, truth_m: NDArray[np.float64] | None) -> str:
         height.set_ylabel(f"Vertical {what} (m)")
         for axes in bounds:
             _shade(axes, track)
-            axes.set_yscale("symlog", linthresh=10)
-            axes.set_ylim(bottom=0)
-            axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+            _compressed(axes, 10.0, [line.get_ydata() for line in axes.lines], both=False)
         level.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=4)
         height.set_xlabel("Time (s)")
 
@@ -185,8 +185,7 @@ def draw_rates(residuals: Sequence[Monitor], track: AidedTrack | None) -> str:
                 axes.axvline(m.alarm_s, color=style.ALARM, linewidth=1, linestyle=":")
             axes.set_ylabel(f"{m.name[:1].upper()}{m.name[1:]} ({m.unit})")
             largest = float(np.nanmax(bound, initial=1e-3))
-            axes.set_yscale("symlog", linthresh=2 * largest)
-            axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+            _compressed(axes, 2 * largest, [m.value, bound], both=True)
             if track is not None:
                 _shade(axes, track)
         panels[-1].set_xlabel("Time (s)")
@@ -200,6 +199,22 @@ def _bar(
     ends = np.flatnonzero(np.diff(np.concatenate([[False], where, [False]]))).reshape(-1, 2)
     parts = [(edge[a], edge[b] - edge[a]) for a, b in ends]
     axes.broken_barh(parts, (row - 0.38, 0.76), facecolors=colour, linewidth=0)
+
+
+def _compressed(axes: Axes, linear: float, values: Sequence[object], *, both: bool) -> None:
+    """A scale that is straight up to a value, and logarithmic beyond if there is much beyond."""
+    largest = max(float(np.nanmax(np.abs(np.asarray(v, np.float64)), initial=0)) for v in values)
+    if largest <= 3 * linear:
+        top = 1.1 * largest or 1.0
+        axes.set_ylim(-top if both else 0.0, top)
+        return
+    axes.set_yscale("symlog", linthresh=linear)
+    whole = 10.0 ** np.arange(np.floor(np.log10(linear)), np.ceil(np.log10(largest)) + 1)
+    ticks = whole[whole >= 0.5 * linear]
+    axes.set_yticks([*(-ticks[::-1] if both else []), 0.0, *ticks])
+    axes.set_yticks([], minor=True)
+    axes.set_ylim(-1.5 * largest if both else 0.0, 1.5 * largest)
+    axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
 
 
 def _step_s(track: AidedTrack) -> float:
