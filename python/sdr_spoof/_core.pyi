@@ -302,3 +302,13 @@ def solve_snapshot(
     place_uncertainty_m: float,
     time_uncertainty_s: float,
 ) -> tuple[int, list[float], float, list[float], list[float], float, int, int | None] | None: ...
+
+# inertial sensors
+def imu_readings(
+    rotation: NDArray[np.float64],
+    velocity: NDArray[np.float64],
+    interval: float,
+    errors: Any,
+    *,
+    first: int = ...,
+) -> list[NDArray[np.float64]]: ...

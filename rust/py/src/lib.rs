@@ -7,6 +7,7 @@ mod acquire;
 mod bench;
 mod fec;
 mod fixes;
+mod imu;
 mod navigation;
 mod signals;
 mod simulate;
@@ -29,6 +30,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     fec::register(m)?;
     navigation::register(m)?;
     fixes::register(m)?;
+    imu::register(m)?;
     // Load numpy's C interface here, where an error can be raised: loaded on first use, it would
     // panic when Ctrl-C comes in between.
     m.py().import("numpy")?;

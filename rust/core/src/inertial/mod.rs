@@ -2,6 +2,9 @@
 //!
 //! Body axes are forward, right, down; local axes north, east, down (NED). SI units, angles in rad.
 
+mod draws;
+pub mod errors;
+
 use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::nav_math::geodesy::Geodetic;
