@@ -158,7 +158,10 @@ impl Jury {
             square: 0.0,
         };
         let mut count = 0;
-        let kept = self.parts.iter().filter(|p| without >> p.satellite & 1 == 0);
+        let kept = self
+            .parts
+            .iter()
+            .filter(|p| without >> p.satellite & 1 == 0);
         let total = kept.fold(none, |a, b| {
             count += 1;
             Part {
@@ -286,7 +289,7 @@ mod tests {
     };
 
     fn towards(k: usize) -> Vector3<f64> {
-        let (azimuth, height) = (0.9 * k as f64, 0.3 + 0.11 * k as f64);
+        let (azimuth, height) = (0.9 * k as f64, 0.3 + 0.08 * k as f64);
         let flat = (1.0 - height * height).sqrt();
         Vector3::new(flat * azimuth.cos(), flat * azimuth.sin(), -height)
     }

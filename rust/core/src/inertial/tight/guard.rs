@@ -327,10 +327,7 @@ mod tests {
         for time in 0..100 {
             assert_eq!(guard.step(&quiet(f64::from(time))), Action::None);
         }
-        let alarm = Some(Alarm {
-            test: 0,
-            age: 60.0,
-        });
+        let alarm = Some(Alarm { test: 0, age: 60.0 });
         let action = guard.step(&Evidence {
             alarm,
             ..quiet(100.0)

@@ -141,10 +141,7 @@ mod tests {
             drift: 0.0,
         };
         let layout = Layout::new(&noise, 1, 1);
-        let (range, rate) = (
-            range_row(&middle, &none, &layout, 0, 0),
-            rate_row(&middle),
-        );
+        let (range, rate) = (range_row(&middle, &none, &layout, 0, 0), rate_row(&middle));
         for axis in 0..3 {
             let mut error = [0.0; crate::inertial::tight::NAV];
             let step = Vector3::ith(axis, 10.0);

@@ -17,6 +17,7 @@ pub mod power;
 pub mod run;
 pub mod settings;
 pub mod statistics;
+pub mod supervisor;
 pub mod windows;
 
 /// Position, velocity, attitude, biases of gyros and accelerometers, clock, its drift.

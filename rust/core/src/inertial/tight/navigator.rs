@@ -167,7 +167,9 @@ impl Navigator {
 
     /// Brings the filter up to the navigator's time; gives the transition.
     pub fn predict(&mut self) -> Transition {
-        let step = self.motion.transition(self.strapdown.state(), &self.settings);
+        let step = self
+            .motion
+            .transition(self.strapdown.state(), &self.settings);
         self.filter.predict(&step);
         self.clock += self.drift * step.interval;
         let keeps = self.filter.fading(step.interval);
@@ -206,7 +208,11 @@ impl Navigator {
             let (place, velocity) = (epoch.place[k].into(), epoch.velocity[k].into());
             let sight = antenna.sight(&place, &velocity);
             let system = epoch.system[k];
-            let offset = if system > 0 { self.offsets[system - 1] } else { 0.0 };
+            let offset = if system > 0 {
+                self.offsets[system - 1]
+            } else {
+                0.0
+            };
             out.sight[k] = sight;
             out.range[k] = sight.range + self.wander[k] + offset - epoch.range[k];
             out.rate[k] = sight.rate - epoch.rate[k];
@@ -259,14 +265,25 @@ impl Navigator {
     }
 
     /// Innovation of a satellite's measurement; `used`: it also moves the states.
-    pub fn measure(&mut self, kind: Kind, k: usize, system: usize, dev: &Deviations, used: bool) -> Option<Innovation> {
+    pub fn measure(
+        &mut self,
+        kind: Kind,
+        k: usize,
+        system: usize,
+        dev: &Deviations,
+        used: bool,
+    ) -> Option<Innovation> {
         let (noise, sight, layout) = (&self.settings.receiver, &dev.sight[k], self.filter.layout);
         let (row, value, sigma) = match kind {
             Kind::Rate => (rate_row(sight), dev.rate[k], noise.rate),
             Kind::Range => {
                 // The lever arm is the same for all; its direction is in the antenna's.
                 let lever = self.strapdown.state().attitude * self.settings.lever_arm;
-                (range_row(sight, &lever, &layout, k, system), dev.range[k], noise.code)
+                (
+                    range_row(sight, &lever, &layout, k, system),
+                    dev.range[k],
+                    noise.code,
+                )
             }
             Kind::Change => {
                 let row = change_row(sight, &dev.before[k], layout.past?);
@@ -296,7 +313,11 @@ impl Navigator {
                 *value -= x;
             }
         }
-        for (value, x) in self.offsets.iter_mut().zip(&self.filter.x[layout.systems..]) {
+        for (value, x) in self
+            .offsets
+            .iter_mut()
+            .zip(&self.filter.x[layout.systems..])
+        {
             *value -= x;
         }
         self.filter.x.fill(0.0);
@@ -327,7 +348,8 @@ impl Navigator {
     }
 
     fn shift(&mut self, errors: &[f64; NAV]) {
-        let three = |first: usize| Vector3::new(errors[first], errors[first + 1], errors[first + 2]);
+        let three =
+            |first: usize| Vector3::new(errors[first], errors[first + 1], errors[first + 2]);
         self.strapdown.correct(&StateError {
             position: three(POSITION),
             velocity: three(VELOCITY),

@@ -93,8 +93,6 @@ pub enum Mode {
 /// Of the robust tests and of the state machine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Testing {
-    /// No test before, s from the start.
-    pub settle: f64,
     /// Thresholds of innovation windows of rates, of changes and of codes, separation, clock, as
     /// normal deviates.
     pub thresholds: [f64; 5],

@@ -4,7 +4,7 @@
 //! what is largest without interference ("as printed": the square of the largest deviation;
 //! "self-normalised": the largest value of the statistic itself).
 
-use super::settings::{Form, Published};
+use super::settings::Published;
 
 /// Mean square, lag-1 product and coherent square of one deviation of up to three components.
 pub type Forms = [f64; 3];
@@ -153,6 +153,7 @@ impl Panel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::inertial::tight::settings::Form;
 
     fn published(form: Form) -> Published {
         Published {
@@ -203,7 +204,11 @@ mod tests {
             for _ in 0..4 {
                 panel.push([[p, 0.0, 0.0], [p, 0.0, 0.0]], &range, &range);
             }
-            (panel.verdict(), panel.satellite_over(1), panel.solution_over())
+            (
+                panel.verdict(),
+                panel.satellite_over(1),
+                panel.solution_over(),
+            )
         };
         assert_eq!(say(0.1, [0.1, 0.1]), ((Threat::None, 0.0), false, false));
         let (verdict, satellite, solution) = say(0.1, [0.1, 3.0]);
