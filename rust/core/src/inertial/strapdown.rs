@@ -139,7 +139,7 @@ fn gravity_at(earth: &Earth, height: f64) -> f64 {
 
 /// Body turned against inertial space, local axes turned likewise; the length kept at 1.
 #[inline]
-fn attitude(
+pub(super) fn attitude(
     before: &UnitQuaternion<f64>,
     local: &Vector3<f64>,
     body: &Vector3<f64>,
