@@ -12,6 +12,7 @@ pub mod ecef;
 pub mod error_model;
 pub mod errors;
 pub mod gravity;
+pub mod ideal;
 pub mod strapdown;
 pub mod tight;
 
