@@ -13,6 +13,7 @@ mod navigation;
 mod signals;
 mod simulate;
 mod synth;
+mod tight;
 mod track;
 
 /// Core errors become ValueError; Python wraps them where it can say more.
@@ -33,6 +34,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     fixes::register(m)?;
     imu::register(m)?;
     inertial::register(m)?;
+    tight::register(m)?;
     // Load numpy's C interface here, where an error can be raised: loaded on first use, it would
     // panic when Ctrl-C comes in between.
     m.py().import("numpy")?;
