@@ -60,7 +60,7 @@ def monitor(name="codes", unit="", alarm_s=None, log10_p=-9.0, tested=EPOCHS) ->
     value = np.where(ATTACK & (alarm_s is not None), 3.0, 0.5)
     value[tested:] = np.nan
     onset = None if alarm_s is None else alarm_s - 1.0
-    return Monitor(name, TIME, value, np.ones(EPOCHS), unit, alarm_s, onset, log10_p)
+    return Monitor(name, TIME, value, np.ones(EPOCHS), unit, alarm_s, onset, log10_p, unit == "m/s")
 
 
 def aided() -> Aided:

@@ -64,6 +64,7 @@ def judge(
     notes: Sequence[str] = (),
     limits: str = "",
     tests: float = 1.0,
+    min_tested_s: float = MIN_TESTED_S,
 ) -> AidedVerdict:
     """The rule of this module.
 
@@ -73,23 +74,24 @@ def judge(
         notes: what could not be tested.
         limits: what the tests cannot see.
         tests: independent tests made, by which the probability of a false alarm is multiplied.
+        min_tested_s: less is not enough support for 'clean'.
     """
     alarmed = [m for m in monitors if m.alarm_s is not None]
     tested_s = max((_tested_s(m) for m in monitors), default=0.0)
     quiet = AidedVerdict(CLEAN, "", tested_s=tested_s, notes=tuple(notes), limits=limits)
     spans = _disbelieved(track)
     if not alarmed and not spans:
-        enough = tested_s >= MIN_TESTED_S
+        enough = tested_s >= min_tested_s
         why = f"{tested_s:.0f} s tested, nothing beyond its threshold"
         if not enough:
-            why = f"only {tested_s:.0f} s could be tested, {MIN_TESTED_S:g} s are needed"
+            why = f"only {tested_s:.0f} s could be tested, {min_tested_s:g} s are needed"
             why += f": {notes[0]}" if notes else ""
         return replace(quiet, verdict=CLEAN if enough else NO_SUPPORT, reason=why)
     alarm_s = min([m.alarm_s for m in alarmed if m.alarm_s is not None] + [a for a, _ in spans])
     onsets = [m.onset_s for m in alarmed if m.onset_s is not None]
     onset_s = min([*onsets, alarm_s])
     names, everybody = _left_out(track)
-    excluded = bool(names) or everybody or any(_of_rates(m) for m in alarmed)
+    excluded = bool(names) or everybody or any(m.decides for m in alarmed)
     verdict = SPOOFED if excluded else SUSPECT
     return replace(
         quiet,
@@ -102,13 +104,6 @@ def judge(
         severity_m=_severity_m(track, onset_s),
         confidence=_confidence(alarmed, tests),
     )
-
-
-RATE_UNIT = "m/s"
-
-
-def _of_rates(monitor: Monitor) -> bool:
-    return monitor.unit == RATE_UNIT
 
 
 def _tested_s(monitor: Monitor) -> float:

@@ -64,6 +64,8 @@ class Monitor:
     """Where the disturbance seems to begin."""
     log10_p: float = 0.0
     """Of the strongest value under noise alone."""
+    decides: bool = False
+    """Whether its alarm alone means spoofing; those of the filter only ask its guard."""
 
 
 @dataclass(frozen=True)
