@@ -304,6 +304,9 @@ def solve_snapshot(
 ) -> tuple[int, list[float], float, list[float], list[float], float, int, int | None] | None: ...
 
 # inertial sensors
+def imu_increments(
+    origin: Sequence[float], knots: NDArray[np.float64], step: float, per: int
+) -> list[NDArray[np.float64]]: ...
 def imu_readings(
     rotation: NDArray[np.float64],
     velocity: NDArray[np.float64],

@@ -13,6 +13,7 @@ pub mod ecef;
 pub mod error_model;
 pub mod errors;
 pub mod gravity;
+pub mod ideal;
 pub mod strapdown;
 
 use nalgebra::{UnitQuaternion, Vector3};
