@@ -326,7 +326,7 @@ def inertial_navigate(
     every: int,
     errors: Sequence[Any],
     alignments: NDArray[np.float64] | None = ...,
-    realigned: tuple[Sequence[int], NDArray[np.float64]] | None = ...,
+    realigned: tuple[Sequence[tuple[int, bool]], NDArray[np.float64]] | None = ...,
     vertical: NDArray[np.float64] | None = ...,
     earth_fixed: bool = ...,
 ) -> NDArray[np.float64]: ...
