@@ -304,6 +304,9 @@ def solve_snapshot(
 ) -> tuple[int, list[float], float, list[float], list[float], float, int, int | None] | None: ...
 
 # inertial sensors
+def imu_increments(
+    origin: Sequence[float], knots: NDArray[np.float64], step: float, per: int
+) -> list[NDArray[np.float64]]: ...
 def imu_readings(
     rotation: NDArray[np.float64],
     velocity: NDArray[np.float64],
@@ -312,3 +315,32 @@ def imu_readings(
     *,
     first: int = ...,
 ) -> list[NDArray[np.float64]]: ...
+
+# inertial navigation
+def inertial_navigate(
+    rotation: NDArray[np.float64],
+    velocity: NDArray[np.float64],
+    interval: NDArray[np.float64],
+    start: NDArray[np.float64],
+    *,
+    every: int,
+    errors: Sequence[Any],
+    alignments: NDArray[np.float64] | None = ...,
+    realigned: tuple[Sequence[tuple[int, bool]], NDArray[np.float64]] | None = ...,
+    vertical: NDArray[np.float64] | None = ...,
+    earth_fixed: bool = ...,
+) -> NDArray[np.float64]: ...
+def inertial_covariance(
+    rotation: NDArray[np.float64],
+    velocity: NDArray[np.float64],
+    interval: NDArray[np.float64],
+    start: NDArray[np.float64],
+    *,
+    every: int,
+    gyro: Sequence[float],
+    accelerometer: Sequence[float],
+    alignment: Sequence[Sequence[float]],
+) -> NDArray[np.float64]: ...
+def normal_gravity(
+    latitude: NDArray[np.float64], height: NDArray[np.float64]
+) -> NDArray[np.float64]: ...

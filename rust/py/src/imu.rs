@@ -1,4 +1,4 @@
-//! Errors of an IMU: dataclasses in, increments out.
+//! Perfect increments along a motion, and errors of an IMU: arrays and dataclasses in, increments out.
 
 use nalgebra::{Matrix3, Vector3};
 use numpy::ndarray::{Array2, ArrayView2};
@@ -6,7 +6,9 @@ use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use sdr_spoof_core::inertial::errors::{ErrorStream, ImuErrors, SensorErrors};
+use sdr_spoof_core::inertial::ideal::{self, Knot};
 use sdr_spoof_core::inertial::Increment;
+use sdr_spoof_core::nav_math::geodesy::Geodetic;
 
 /// Attributes of `aiding.imu.errors.SensorErrors`.
 #[derive(FromPyObject)]
@@ -103,6 +105,43 @@ fn imu_readings<'py>(
     Ok(columns.map(|c| c.into_pyarray(py)))
 }
 
+/// Perfect rotations and velocities (N, 3) of a motion through knots (K, 12) about a place: offsets
+/// of latitude, longitude, height; yaw, pitch, roll; the rates of the six.
+#[pyfunction]
+fn imu_increments<'py>(
+    py: Python<'py>,
+    origin: [f64; 3],
+    knots: PyReadonlyArray2<'py, f64>,
+    step: f64,
+    per: usize,
+) -> PyResult<[Bound<'py, PyArray2<f64>>; 2]> {
+    let rows = knots.as_slice()?;
+    if knots.as_array().ncols() != 12 || per == 0 {
+        return Err(PyValueError::new_err("knots must have the shape (K, 12)"));
+    }
+    let knots: Vec<Knot> = rows.as_chunks().0.to_vec();
+    let [latitude, longitude, height] = origin;
+    let origin = Geodetic {
+        latitude,
+        longitude,
+        height,
+    };
+    let columns = py.detach(|| {
+        let increments = ideal::increments(origin, &knots, step, per);
+        [|i: &Increment| i.rotation, |i: &Increment| i.velocity].map(|of| {
+            let values = increments.iter().flat_map(|i| <[f64; 3]>::from(of(i)));
+            Array2::from_shape_vec((increments.len(), 3), values.collect())
+        })
+    });
+    let [rotation, velocity] = columns;
+    let array = |c: Result<Array2<f64>, _>| match c {
+        Ok(c) => Ok(c.into_pyarray(py)),
+        Err(e) => Err(PyValueError::new_err(format!("{e}"))),
+    };
+    Ok([array(rotation)?, array(velocity)?])
+}
+
 pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
+    m.add_function(wrap_pyfunction!(imu_increments, m)?)?;
     m.add_function(wrap_pyfunction!(imu_readings, m)?)
 }

@@ -8,6 +8,7 @@ mod bench;
 mod fec;
 mod fixes;
 mod imu;
+mod inertial;
 mod navigation;
 mod signals;
 mod simulate;
@@ -31,6 +32,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     navigation::register(m)?;
     fixes::register(m)?;
     imu::register(m)?;
+    inertial::register(m)?;
     // Load numpy's C interface here, where an error can be raised: loaded on first use, it would
     // panic when Ctrl-C comes in between.
     m.py().import("numpy")?;

@@ -32,7 +32,7 @@ impl Curve {
     }
 
     /// Value and its first two derivatives.
-    fn at(&self, t: f64) -> (f64, f64, f64) {
+    pub fn at(&self, t: f64) -> (f64, f64, f64) {
         let line = (self.start + self.rate * t, self.rate, 0.0);
         self.waves.iter().fold(line, |sum, &(size, rate, phase)| {
             let (sin, cos) = (rate * t + phase).sin_cos();

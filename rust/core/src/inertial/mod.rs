@@ -6,12 +6,14 @@ pub mod batch;
 #[cfg(test)]
 pub(crate) mod closed_form;
 pub mod coning;
+pub mod covariance;
 mod draws;
 pub mod earth;
 pub mod ecef;
 pub mod error_model;
 pub mod errors;
 pub mod gravity;
+pub mod ideal;
 pub mod strapdown;
 
 use nalgebra::{UnitQuaternion, Vector3};
