@@ -220,7 +220,8 @@ def _changed(
     """Samples with one of the changes each, and ln of their likelihood ratio up to each."""
     z = rng.standard_normal((runs, rows))
     kinds = 2 * len(change.shifts)
-    kind = rng.integers(kinds + change.energy, size=runs)
+    # Energy is as likely as all shifts together.
+    kind = rng.integers(kinds + change.energy * max(kinds, 1), size=runs)
     onset = np.zeros(runs, np.int64) if change.from_start else rng.integers(rows, size=runs)
     both = [s for d in change.shifts for s in (d, -d)]
     for run in range(runs):

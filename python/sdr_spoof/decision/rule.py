@@ -32,7 +32,8 @@ class Change:
     scale: float = 1.0
     """Standard deviation of samples whose mean has shifted."""
     energy: bool = False
-    """Whether samples whose density has gained the factor z^2 belong to it too."""
+    """Whether samples whose density has gained the factor z^2 belong to it too, as likely as all
+    shifts together."""
     from_start: bool = False
     """Whether the change is there from the first sample, or may begin at any."""
     template: tuple[float, ...] = ()

@@ -7,7 +7,8 @@ pub struct Mixture {
     /// Each equally likely, and so is each sign: the mean shifts by so much, and the standard
     /// deviation becomes so much.
     pub shifts: Vec<(f64, f64)>,
-    /// One more change, as likely as a shift: the density of a sample gains the factor z^2.
+    /// One more change, as likely as all shifts together: the density of a sample gains the factor
+    /// z^2.
     pub energy: bool,
     /// Whether the change is there from the first sample; else every onset is equally likely.
     pub from_start: bool,
@@ -19,7 +20,9 @@ impl Mixture {
     /// The sum over onsets is the Shiryaev-Roberts recursion R_k = (1 + R_(k-1)) L_k; onsets after
     /// row k leave the samples up to it as they are.
     pub fn log_ratio(&self, samples: &[f64], path: &mut [f64]) {
-        let parts = (2 * self.shifts.len() + usize::from(self.energy)) as f64;
+        let shifts = 2 * self.shifts.len();
+        let energy = if self.energy { shifts.max(1) } else { 0 } as f64;
+        let parts = shifts as f64 + energy;
         let onsets = if self.from_start {
             1.0
         } else {
@@ -28,10 +31,10 @@ impl Mixture {
         path.fill(0.0);
         let both = |(d, s): &(f64, f64)| [(*d, *s), (-d, *s)];
         for (shift, scale) in self.shifts.iter().flat_map(both) {
-            self.gather(samples, path, |z| ratio(z, shift, scale));
+            self.gather(samples, path, 1.0, |z| ratio(z, shift, scale));
         }
         if self.energy {
-            self.gather(samples, path, |z| z * z);
+            self.gather(samples, path, energy, |z| z * z);
         }
         for (k, value) in path.iter_mut().enumerate() {
             let later = if self.from_start {
@@ -43,12 +46,12 @@ impl Mixture {
         }
     }
 
-    fn gather(&self, samples: &[f64], path: &mut [f64], ratio: impl Fn(f64) -> f64) {
+    fn gather(&self, samples: &[f64], path: &mut [f64], weight: f64, of: impl Fn(f64) -> f64) {
         let born = if self.from_start { 0.0 } else { 1.0 };
         let mut sum = 1.0 - born;
         for (z, out) in samples.iter().zip(path) {
-            sum = (born + sum) * ratio(*z);
-            *out += sum;
+            sum = (born + sum) * of(*z);
+            *out += weight * sum;
         }
     }
 }
@@ -86,14 +89,14 @@ mod tests {
                 .map(|k| {
                     let mut sum = 0.0;
                     for onset in 0..onsets {
-                        for part in 0..5 {
+                        for part in 0..8 {
                             sum += z[onset.min(k)..k]
                                 .iter()
                                 .map(|v| factor(part, *v))
                                 .product::<f64>();
                         }
                     }
-                    (sum / (5 * onsets) as f64).ln()
+                    (sum / (8 * onsets) as f64).ln()
                 })
                 .collect();
             let mut path = vec![0.0; z.len()];
