@@ -76,15 +76,20 @@ fn alignments(values: Option<ArrayView3<'_, f64>>) -> PyResult<Vec<Vec<StateErro
     Ok(values.outer_iter().map(run).collect())
 }
 
-fn resets(after: &[usize], states: ArrayView2<'_, f64>) -> PyResult<Vec<Reset>> {
-    wide(states.nrows(), after.len(), "states of resets")?;
-    let reset = |(&after, row)| {
-        Ok(Reset {
-            after,
-            state: state(row)?,
-        })
+/// Numbers of increments and whether a gap follows them, and the states then.
+type Realigned<'py> = (Vec<(usize, bool)>, PyReadonlyArray2<'py, f64>);
+
+fn resets((after, states): &Realigned<'_>) -> PyResult<Vec<Reset>> {
+    wide(states.as_array().nrows(), after.len(), "states of resets")?;
+    let reset = |(&(after, gap), row)| {
+        let state = state(row)?;
+        Ok(Reset { after, state, gap })
     };
-    after.iter().zip(states.rows()).map(reset).collect()
+    after
+        .iter()
+        .zip(states.as_array().rows())
+        .map(reset)
+        .collect()
 }
 
 fn verticals(values: ArrayView2<'_, f64>, rows: usize) -> PyResult<Vec<Vertical>> {
@@ -103,7 +108,7 @@ fn verticals(values: ArrayView2<'_, f64>, rows: usize) -> PyResult<Vec<Vertical>
 /// States (R, M, 9) of all runs at the start and after each `every` increments.
 ///
 /// `errors`: an `aiding.imu.errors.ImuErrors` for each run; empty: one run over the increments as
-/// they are. `realigned`: numbers of increments and the states then. `vertical`: height and velocity
+/// they are. `realigned`: numbers of increments, whether a gap follows, and the states then. `vertical`: height and velocity
 /// downwards after each increment.
 #[pyfunction]
 #[pyo3(signature = (rotation, velocity, interval, start, *, every, errors, alignments=None,
@@ -118,7 +123,7 @@ fn inertial_navigate<'py>(
     every: usize,
     errors: Vec<Bound<'py, PyAny>>,
     alignments: Option<PyReadonlyArray3<'py, f64>>,
-    realigned: Option<(Vec<usize>, PyReadonlyArray2<'py, f64>)>,
+    realigned: Option<Realigned<'py>>,
     vertical: Option<PyReadonlyArray2<'py, f64>>,
     earth_fixed: bool,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
@@ -127,10 +132,7 @@ fn inertial_navigate<'py>(
         velocity.as_array(),
         interval.as_array(),
     )?;
-    let resets = match &realigned {
-        Some((after, states)) => resets(after, states.as_array())?,
-        None => Vec::new(),
-    };
+    let resets = realigned.as_ref().map_or(Ok(Vec::new()), resets)?;
     let vertical = vertical
         .map(|v| verticals(v.as_array(), increments.len()))
         .transpose()?;
