@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import BaseModel, ConfigDict, Field
 
 from .acquisition import AcquisitionConfig
+from .aiding.rate_config import RateConfig
 from .detectors import DetectionConfig
 from .observables import ObservablesConfig
 from .positioning.config import NavigationConfig
@@ -54,6 +55,9 @@ class Config(BaseModel):
     )
     pvt: PvtConfig = Field(
         default_factory=PvtConfig, description="what a position is made of, and how it is checked"
+    )
+    rate: RateConfig = Field(
+        default_factory=RateConfig, description="consistency of rates with an INS"
     )
 
 

@@ -16,6 +16,7 @@ pub mod errors;
 pub mod gravity;
 pub mod ideal;
 pub mod strapdown;
+pub mod tight;
 
 use nalgebra::{UnitQuaternion, Vector3};
 
