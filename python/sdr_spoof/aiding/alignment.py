@@ -59,6 +59,10 @@ class Rest:
     """rad/s, (3,)."""
     length_s: float
     end_s: float
+    shaken_m_s2: float
+    """Largest difference of a mean over a second from the others."""
+    turned_rad_s: float
+    """Likewise."""
 
 
 def given(state: InertialStates, sigma: AlignmentSigma | None = None) -> Alignment:
@@ -105,12 +109,8 @@ def at_rest(
     rest = at_rest_means(log, first_s, last_s)
     latitude, _, height_m = radians(ecef_to_geodetic(position_m))[0]
     gravity = float(_core.normal_gravity(np.array([latitude]), np.array([height_m]))[0])
-    checks.check_force(rest.force, gravity, log.interval_s)
-    if not tilted:
-        checks.check_level(rest.force)
     up = rest.force / np.linalg.norm(rest.force)
-    gyro_sigma = _sigma(grade.gyro, rest.length_s)
-    checks.check_rate(rest.rate, up, latitude, gyro_sigma, log.interval_s)
+    _check_rest(rest, grade, log.interval_s, (latitude, gravity), tilted)
     tilt = float(np.hypot(_sigma(grade.accelerometer, rest.length_s) / gravity, _skew(grade)))
     if heading_rad is None:
         heading_sigma_rad = compass_sigma_rad(grade, latitude, rest.length_s, tilt)
@@ -137,7 +137,7 @@ def at_rest_means(log: ImuLog, first_s: float | None, last_s: float | None) -> R
     """Means of an IMU at rest.
 
     Raises:
-        InertialError: what :func:`increments.check` raises, less than 2 s, or motion.
+        InertialError: what :func:`increments.check` raises, or less than 2 s.
     """
     increments.check(log)
     chosen = np.ones(len(log.time_s), bool)
@@ -154,19 +154,33 @@ def at_rest_means(log: ImuLog, first_s: float | None, last_s: float | None) -> R
     interval_s = increments.intervals_s(log)[last].reshape(seconds, -1).sum(axis=1)[:, None]
     force = log.velocity_m_s[last].reshape(seconds, -1, 3).sum(axis=1) / interval_s
     rate = log.rotation_rad[last].reshape(seconds, -1, 3).sum(axis=1) / interval_s
-    _check_still(force, rate)
-    length_s = float(interval_s.sum())
-    return Rest(force.mean(axis=0), rate.mean(axis=0), length_s, float(log.time_s[last[-1]]))
+    return Rest(
+        force.mean(axis=0),
+        rate.mean(axis=0),
+        float(interval_s.sum()),
+        float(log.time_s[last[-1]]),
+        float(np.abs(force - np.median(force, axis=0)).max()),
+        float(np.abs(rate - np.median(rate, axis=0)).max()),
+    )
 
 
-def _check_still(force: NDArray[np.float64], rate: NDArray[np.float64]) -> None:
-    shaken = np.abs(force - np.median(force, axis=0)).max() / np.linalg.norm(force, axis=1).mean()
-    turned = np.abs(rate - np.median(rate, axis=0)).max()
-    if shaken * checks.STANDARD_GRAVITY > _STILL_M_S2 or turned > _STILL_RAD_S:
+def _check_rest(
+    rest: Rest, grade: Grade, interval_s: float, where: tuple[float, float], tilted: bool
+) -> None:
+    """Units first, which would look like motion; then motion, then axes."""
+    latitude, gravity = where
+    allowed = 5 * _sigma(grade.gyro, rest.length_s) + 0.02 * EARTH_RATE_RAD_S
+    checks.check_force(rest.force, gravity, interval_s)
+    checks.check_rate_unit(float(np.linalg.norm(rest.rate)), allowed, interval_s)
+    if rest.shaken_m_s2 > _STILL_M_S2 or rest.turned_rad_s > _STILL_RAD_S:
         raise InertialError(
-            f"the IMU moves: means over a second change by {shaken * 9.80665:.3f} m/s^2 and "
-            f"{np.degrees(turned):.3f} deg/s; stand still, choose another time, or align in motion"
+            f"the IMU moves: means over a second change by {rest.shaken_m_s2:.3f} m/s^2 and "
+            f"{np.degrees(rest.turned_rad_s):.3f} deg/s; stand still, choose another time, or "
+            "align in motion"
         )
+    if not tilted:
+        checks.check_level(rest.force)
+    checks.check_rate(rest.rate, rest.force / np.linalg.norm(rest.force), latitude, allowed)
 
 
 def _sigma(grade: SensorGrade, length_s: float) -> float:

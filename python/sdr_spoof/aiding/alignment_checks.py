@@ -82,12 +82,31 @@ def check_level(force: NDArray[np.float64]) -> None:
     )
 
 
+def check_rate_unit(length: float, allowed: float, interval_s: float) -> None:
+    """Refuses a rate at rest that is the Earth's turn in another unit.
+
+    Args:
+        length: Of the mean rate, rad/s.
+        allowed: What it may be off by, rad/s.
+        interval_s: Of the IMU.
+    """
+    if allowed > 0.5 * EARTH_RATE_RAD_S or abs(length - EARTH_RATE_RAD_S) <= allowed:
+        return
+    units = (
+        _Unit(np.pi / 180, "they seem to be in degrees: multiply by pi/180"),
+        _Unit(np.pi / 180 / 3600, "they seem to be in deg/h: multiply by pi/648000"),
+        _Unit(interval_s, "rates seem to be taken as increments: multiply by the interval"),
+        _Unit(1 / interval_s, "increments seem to be taken as rates: divide by the interval"),
+        _Unit(180 / np.pi, "pi/180 seems to be multiplied in twice: multiply by 180/pi"),
+    )
+    off = [abs(length * unit.factor / EARTH_RATE_RAD_S - 1) for unit in units]
+    best = int(np.argmin(off))
+    if off[best] < 0.1 + allowed / EARTH_RATE_RAD_S:
+        raise InertialError(f"{_rate_words(length, allowed)}: {units[best].words}")
+
+
 def check_rate(
-    rate: NDArray[np.float64],
-    up: NDArray[np.float64],
-    latitude: float,
-    sigma: float,
-    interval_s: float,
+    rate: NDArray[np.float64], up: NDArray[np.float64], latitude: float, allowed: float
 ) -> None:
     """Refuses a mean rate at rest that is not the Earth's turn.
 
@@ -95,13 +114,13 @@ def check_rate(
         rate: Of the gyros, rad/s, (3,).
         up: By the accelerometers, body axes, a unit vector (3,).
         latitude: rad.
-        sigma: What a gyro may be off by, rad/s.
-        interval_s: Of the IMU.
+        allowed: What it may be off by, rad/s.
     """
-    allowed = 5 * sigma + 0.02 * EARTH_RATE_RAD_S
     length = float(np.linalg.norm(rate))
     if abs(length - EARTH_RATE_RAD_S) > allowed:
-        raise InertialError(_rate_words(length, allowed, interval_s))
+        raise InertialError(
+            f"{_rate_words(length, allowed)}: it moves, or its gyros are worse than their grade"
+        )
     vertical = float(rate @ up)
     wanted = EARTH_RATE_RAD_S * np.sin(latitude)
     if abs(vertical - wanted) > allowed:
@@ -113,26 +132,10 @@ def check_rate(
         )
 
 
-def _rate_words(length: float, allowed: float, interval_s: float) -> str:
-    units = (
-        _Unit(np.pi / 180, "they seem to be in degrees: multiply by pi/180"),
-        _Unit(np.pi / 180 / 3600, "they seem to be in deg/h: multiply by pi/648000"),
-        _Unit(interval_s, "rates seem to be taken as increments: multiply by the interval"),
-        _Unit(1 / interval_s, "increments seem to be taken as rates: divide by the interval"),
-        _Unit(180 / np.pi, "pi/180 seems to be multiplied in twice: multiply by 180/pi"),
-    )
-    # Units differ by more than a tenth, noise of a factor is taken for no unit at all.
-    off = [abs(length * unit.factor / EARTH_RATE_RAD_S - 1) for unit in units]
-    best = int(np.argmin(off))
-    near = off[best] < 0.1 + allowed / EARTH_RATE_RAD_S
-    words = (
-        units[best].words
-        if near and allowed < EARTH_RATE_RAD_S
-        else "it moves, or its gyros are worse than their grade"
-    )
+def _rate_words(length: float, allowed: float) -> str:
     return (
         f"at rest the gyros sense {_per_hour(length):.4g} deg/h where the Earth turns by 15.04 and "
-        f"their grade allows {_per_hour(allowed):.2g} beside: {words}"
+        f"their grade allows {_per_hour(allowed):.2g} beside"
     )
 
 

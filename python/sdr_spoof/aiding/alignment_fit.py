@@ -12,6 +12,7 @@ from sdr_spoof.errors import InertialError
 from sdr_spoof.nav.geodesy import ecef_to_geodetic, enu_matrix
 
 from . import increments
+from .alignment_checks import STANDARD_GRAVITY
 from .records import ImuLog
 
 if TYPE_CHECKING:
@@ -72,6 +73,14 @@ class Task:
             np.ascontiguousarray(readings),
         )
         return [Fit(r[:3], float(r[3]), float(r[4]), r[5:].reshape(3, 3)) for r in rows]
+
+    def forces(self) -> tuple[float, float]:
+        """Typical specific force, sensed and as velocities and gravity say, m/s^2."""
+        sensed = np.linalg.norm(self.log.velocity_m_s, axis=1) / self.interval_s
+        rate = np.diff(self.epochs[:, 4:], axis=0) / np.diff(self.epochs[:, :1], axis=0)
+        up = self.epochs[1:, 1:4] / np.linalg.norm(self.epochs[1:, 1:4], axis=1)[:, None]
+        wanted = np.linalg.norm(rate + STANDARD_GRAVITY * up, axis=1)
+        return float(np.median(sensed)), float(np.median(wanted))
 
     def course(self) -> float | None:
         """At the last epoch; None where it is too slow."""

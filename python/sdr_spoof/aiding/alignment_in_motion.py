@@ -62,8 +62,8 @@ def in_motion(
             named), nothing fits, or the motion does not tell the heading.
     """
     common = task(log, motion, velocity_sigma_m_s)
+    _check_unit(common)
     fit = common.fits(reading()[None])[0]
-    _check_unit(common, fit)
     if fit.scatter_m_s > _allowed(common, grade):
         raise InertialError(_explanation(common, fit, grade, forward))
     if forward:
@@ -92,12 +92,13 @@ def in_motion(
     return Alignment(state, errors, f"in motion over {common.length_s:.0f} s")
 
 
-def _check_unit(common: Task, fit: Fit) -> None:
-    words = checks.force_unit(1.0, fit.scale, common.log.interval_s)
+def _check_unit(common: Task) -> None:
+    sensed, wanted = common.forces()
+    words = checks.force_unit(sensed, wanted, common.log.interval_s)
     if words is not None:
         raise InertialError(
-            f"the accelerometers sense {1 / fit.scale:.4g} times what gravity and the measured "
-            f"velocities say: {words}"
+            f"the accelerometers sense {sensed:.4g} m/s^2 where gravity and the measured "
+            f"velocities say {wanted:.4g}: {words}"
         )
 
 
@@ -110,8 +111,8 @@ def _allowed(common: Task, grade: Grade) -> float:
     forced = accelerometer + _GRAVITY * (
         grade.accelerometer.scale + grade.accelerometer.misalignment_rad
     )
-    drift = length_s * np.hypot(0.3 * forced, 0.1 * _GRAVITY * turned)
-    return float(5 * np.hypot(common.velocity_sigma_m_s, drift) + 0.05)
+    drift = length_s * np.hypot(0.1 * forced, 0.05 * _GRAVITY * turned)
+    return float(3 * np.hypot(common.velocity_sigma_m_s, drift) + 0.05)
 
 
 def _biases(grade: Grade) -> tuple[float, float]:
