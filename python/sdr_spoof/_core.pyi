@@ -319,4 +319,44 @@ def change_log_ratio(
     shifts: Sequence[tuple[float, float]],
     energy: bool,
     from_start: bool,
+# inertial sensors
+def imu_increments(
+    origin: Sequence[float], knots: NDArray[np.float64], step: float, per: int
+) -> list[NDArray[np.float64]]: ...
+def imu_readings(
+    rotation: NDArray[np.float64],
+    velocity: NDArray[np.float64],
+    interval: float,
+    errors: Any,
+    *,
+    first: int = ...,
+) -> list[NDArray[np.float64]]: ...
+
+# inertial navigation
+def inertial_navigate(
+    rotation: NDArray[np.float64],
+    velocity: NDArray[np.float64],
+    interval: NDArray[np.float64],
+    start: NDArray[np.float64],
+    *,
+    every: int,
+    errors: Sequence[Any],
+    alignments: NDArray[np.float64] | None = ...,
+    realigned: tuple[Sequence[int], NDArray[np.float64]] | None = ...,
+    vertical: NDArray[np.float64] | None = ...,
+    earth_fixed: bool = ...,
+) -> NDArray[np.float64]: ...
+def inertial_covariance(
+    rotation: NDArray[np.float64],
+    velocity: NDArray[np.float64],
+    interval: NDArray[np.float64],
+    start: NDArray[np.float64],
+    *,
+    every: int,
+    gyro: Sequence[float],
+    accelerometer: Sequence[float],
+    alignment: Sequence[Sequence[float]],
+) -> NDArray[np.float64]: ...
+def normal_gravity(
+    latitude: NDArray[np.float64], height: NDArray[np.float64]
 ) -> NDArray[np.float64]: ...

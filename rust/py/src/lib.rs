@@ -8,6 +8,8 @@ mod bench;
 mod decision;
 mod fec;
 mod fixes;
+mod imu;
+mod inertial;
 mod navigation;
 mod signals;
 mod simulate;
@@ -31,6 +33,8 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     navigation::register(m)?;
     fixes::register(m)?;
     decision::register(m)?;
+    imu::register(m)?;
+    inertial::register(m)?;
     // Load numpy's C interface here, where an error can be raised: loaded on first use, it would
     // panic when Ctrl-C comes in between.
     m.py().import("numpy")?;
