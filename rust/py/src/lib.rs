@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 
 mod acquire;
 mod bench;
+mod decision;
 mod fec;
 mod fixes;
 mod imu;
@@ -35,6 +36,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     imu::register(m)?;
     inertial::register(m)?;
     tight::register(m)?;
+    decision::register(m)?;
     // Load numpy's C interface here, where an error can be raised: loaded on first use, it would
     // panic when Ctrl-C comes in between.
     m.py().import("numpy")?;
