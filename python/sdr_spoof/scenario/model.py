@@ -13,7 +13,7 @@ from sdr_spoof.signals import components, signal_spec
 
 from .attack import AnyAttack, Victims
 from .base import FROZEN
-from .draw import of_attack
+from .draw import integer, of_attack
 from .recording_plan import RecordingPlan
 from .satellite import Satellite
 from .sky import SkyTable, sky_of
@@ -70,6 +70,30 @@ class Scenario(BaseModel):
             return sky_of(self.sky, self.recording.duration_s, self.recording.seed)
         except ValueError as error:
             raise ValueError(f"[sky] {error}") from error
+
+    def antennas(self) -> tuple[Scenario, ...]:
+        """One scenario for each antenna that is recorded."""
+        sky = self.sky
+        if sky is None or sky.array is None or sky.array.antenna is not None:
+            return (self,)
+        arrays = [
+            sky.array.model_copy(update={"antenna": k}) for k in range(len(sky.array.elements_m))
+        ]
+        skies = [sky.model_copy(update={"array": array}) for array in arrays]
+        return tuple(self.model_copy(update={"sky": s}) for s in skies)
+
+    @property
+    def noise_seed(self) -> int:
+        """Seed of the noise: each antenna has its own."""
+        seed = self.recording.seed
+        array = None if self.sky is None else self.sky.array
+        return integer("antenna", seed, array.antenna) if array and array.antenna else seed
+
+    @property
+    def line_cycles(self) -> float:
+        """What the line of the antenna adds to carrier phases."""
+        array = None if self.sky is None else self.sky.array
+        return array.delay_cycles if array else 0.0
 
     def victims(self, number: int) -> Victims:
         """Satellites and signals that the attack of this number imitates."""

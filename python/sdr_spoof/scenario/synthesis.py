@@ -44,7 +44,7 @@ def open_synthesizer(scenario: Scenario, threads: int | None = None) -> Synthesi
         plan.lo_hz,
         [t.emitter for t in transmissions(scenario)],
         noise_rms_lsb=plan.rms_lsb,
-        seed=plan.seed,
+        seed=scenario.noise_seed,
         bandwidth_hz=plan.bandwidth_hz,
         centre_hz=plan.front_end_centre_hz,
         filter_taps=plan.filter_taps,
@@ -67,19 +67,42 @@ def synthesize(
     is raised on once it is in place.
 
     Args:
-        scenario: what to synthesise.
+        scenario: what to synthesise; of an array, one recording for each antenna, ``<out>.a0`` and
+            so on.
         out: path of the recording, with or without ``.sigmf-data`` or ``.sigmf-meta``.
         threads: threads to use; None for one per core.
         force: replace existing files.
         progress: called with (samples done, samples in all).
 
     Returns:
-        The metadata file (SigMF, or the TOML sidecar of 2-bit samples), for ``open_recording``.
+        The metadata file (SigMF, or the TOML sidecar of 2-bit samples), for ``open_recording``; of
+        an array, that of its reference antenna.
 
     Raises:
         OutputError: files exist already, the folder is missing, or the disk is full.
     """
-    files = _Files(_stem(Path(out)), scenario.recording)
+    parts = scenario.antennas()
+    stem = _stem(Path(out))
+    stems = [stem] if len(parts) == 1 else [_with(stem, f".a{k}") for k in range(len(parts))]
+    metas = []
+    for number, (part, name) in enumerate(zip(parts, stems, strict=True)):
+        shown = _share_of(progress, number, len(parts))
+        metas.append(_synthesize(part, name, threads, force, shown))
+    return metas[0]
+
+
+def _share_of(progress: Progress | None, number: int, parts: int) -> Progress | None:
+    """Progress of one of several recordings as part of them all."""
+    if progress is None or parts == 1:
+        return progress
+    return lambda done, total: progress(number * total + done, parts * total)
+
+
+def _synthesize(
+    scenario: Scenario, stem: Path, threads: int | None, force: bool, progress: Progress | None
+) -> Path:
+    """One recording."""
+    files = _Files(stem, scenario.recording)
     if not force:
         files.check_absent()
     synthesizer = open_synthesizer(scenario, threads)

@@ -92,6 +92,11 @@ def threshold(form: Form, epochs: int, pfa: float) -> float:
     return float(chdtri(freedom(form, epochs), pfa))
 
 
+def normal_threshold(pfa: float) -> float:
+    """What a normal score exceeds with a probability under H0."""
+    return float(-ndtri(pfa))
+
+
 def normal_score(values: Floats, form: Form, epochs: int) -> Floats:
     """The statistic as a standard normal number with the same one-sided significance."""
     if form == "matched":
