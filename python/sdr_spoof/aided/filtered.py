@@ -126,7 +126,7 @@ def three_way(solution: TightSolution, config: TightConfig) -> str:
     }
     if not spans[THREATS[1]] + spans[THREATS[2]]:
         return "no statistic R over 1"
-    flagged = solution.flagged(config.divisors, config.statistic_form).any(axis=0)
+    flagged = np.any(solution.flagged(config.divisors, config.statistic_form), axis=0).tolist()
     names = [n for n, hit in zip(solution.satellites, flagged, strict=True) if hit]
     of = f", R over 1 of {', '.join(names)}" if names else ""
     told = ", ".join(f"{name} for {spans[name]:.0f} s" for name in THREATS[1:])
@@ -164,4 +164,4 @@ def _earth_fixed(ned: Floats, position_m: Floats) -> Floats:
     known = np.isfinite(position_m).all(axis=1, keepdims=True)
     axes = enu_axes(np.where(known, position_m, [6_378_137.0, 0.0, 0.0]))
     enu = np.stack([ned[:, 1], ned[:, 0], -ned[:, 2]], axis=-1)
-    return np.einsum("ei,eix->ex", enu, axes)
+    return np.asarray(np.einsum("ei,eix->ex", enu, axes))
