@@ -15,7 +15,7 @@ from sdr_spoof.scenario.sky.earth import enu_axes
 from sdr_spoof.scenario.sky.trajectory import rotations
 
 from . import alone
-from .records import AidedTrack, Monitor, Use
+from .records import AidedTrack, Guard, Monitor, Use
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -83,6 +83,7 @@ def monitors_of(solution: TightSolution, config: TightConfig) -> tuple[Monitor, 
     for name, (begins, field) in KINDS.items():
         columns = [k for k, test in enumerate(TESTS) if test.startswith(begins)]
         value = _highest(solution.deviates[:, columns])
+        value[solution.state == Guard.STARTING] = np.nan
         if not np.any(np.nan_to_num(value)):
             continue  # not tested at all
         raised = [e for e in solution.events if e.test and TESTS.index(e.test) in columns]
