@@ -341,6 +341,13 @@ def inertial_covariance(
     accelerometer: Sequence[float],
     alignment: Sequence[Sequence[float]],
 ) -> NDArray[np.float64]: ...
+def inertial_fit(
+    rotation: NDArray[np.float64],
+    velocity: NDArray[np.float64],
+    interval: NDArray[np.float64],
+    epochs: NDArray[np.float64],
+    readings: NDArray[np.float64],
+) -> NDArray[np.float64]: ...
 def normal_gravity(
     latitude: NDArray[np.float64], height: NDArray[np.float64]
 ) -> NDArray[np.float64]: ...
