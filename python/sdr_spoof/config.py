@@ -14,7 +14,9 @@ from typing import TYPE_CHECKING, Any
 from pydantic import BaseModel, ConfigDict, Field
 
 from .acquisition import AcquisitionConfig
+from .aided.config import AidedConfig
 from .aiding.rate_config import RateConfig
+from .aiding.tight.config import TightConfig
 from .detectors import DetectionConfig
 from .observables import ObservablesConfig
 from .positioning.config import NavigationConfig
@@ -58,6 +60,12 @@ class Config(BaseModel):
     )
     rate: RateConfig = Field(
         default_factory=RateConfig, description="consistency of rates with an INS"
+    )
+    tight: TightConfig = Field(
+        default_factory=TightConfig, description="tightly coupled filter of GNSS and INS"
+    )
+    aided: AidedConfig = Field(
+        default_factory=AidedConfig, description="aided navigation as a whole"
     )
 
 

@@ -6,7 +6,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 
 class AidedConfig(BaseModel):
-    """Which tests run, what is stated, and how the IMU is mounted."""
+    """Which tests run, what is stated, and what is known of the IMU."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -20,8 +20,10 @@ class AidedConfig(BaseModel):
         description="Quality of the IMU, by name: navigation, tactical, industrial, mems, n1, n2, "
         "ship-a, ship-b; empty: what [tight] and [rate] say.",
     )
-    lever_arm_m: tuple[float, float, float] = Field(
-        (0.0, 0.0, 0.0), description="Antenna from the IMU: forward, right, down, in m."
+    attitude_deg: tuple[float, float, float] | None = Field(
+        None,
+        description="Yaw (from north to east), pitch and roll at the start, in degrees; none: "
+        "found by alignment.",
     )
     integrity_risk: float = Field(
         1e-5,

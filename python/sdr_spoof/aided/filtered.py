@@ -9,7 +9,7 @@ import numpy as np
 from scipy.stats import norm
 
 from sdr_spoof.aiding.tight import TESTS
-from sdr_spoof.aiding.tight.solution import FORMS
+from sdr_spoof.aiding.tight.solution import FORMS, THREATS
 from sdr_spoof.errors import AidingError
 from sdr_spoof.scenario.sky.earth import enu_axes
 from sdr_spoof.scenario.sky.trajectory import rotations
@@ -53,7 +53,9 @@ def track_of(solution: TightSolution, measurements: Measurements, risk: float) -
     valid = np.where(solution.valid, 1.0, np.nan)
     horizontal = _largest(covariance[:, :2, :2])
     spoofed = measurements.spoofed & np.isfinite(measurements.range_m)
-    use = np.where(spoofed & (USES[solution.usage] == Use.EXCLUDED), Use.NAMED, USES[solution.usage])
+    use = np.where(
+        spoofed & (USES[solution.usage] == Use.EXCLUDED), Use.NAMED, USES[solution.usage]
+    )
     return AidedTrack(
         reference=measurements.reference,
         time_s=solution.time_s,
@@ -81,8 +83,8 @@ def monitors_of(solution: TightSolution, config: TightConfig) -> tuple[Monitor, 
     for name, (begins, field) in KINDS.items():
         columns = [k for k, test in enumerate(TESTS) if test.startswith(begins)]
         value = _highest(solution.deviates[:, columns])
-        if not np.isfinite(value).any():
-            continue
+        if not np.any(np.nan_to_num(value)):
+            continue  # not tested at all
         raised = [e for e in solution.events if e.test and TESTS.index(e.test) in columns]
         deviate = max((e.deviate for e in raised), default=0.0)
         log10_p = 0.0 if begins == "power" else float(norm.logsf(deviate) / math.log(10))
@@ -115,6 +117,22 @@ def published_of(solution: TightSolution, config: TightConfig) -> tuple[Monitor,
     )
 
 
+def three_way(solution: TightSolution, config: TightConfig) -> str:
+    """The published verdict in words: for how long, and the log of satellites."""
+    step_s = float(np.median(np.diff(solution.time_s))) if solution.time_s.size > 1 else 1.0
+    spans = {
+        name: int(np.count_nonzero(solution.threat == number)) * step_s
+        for number, name in enumerate(THREATS)
+    }
+    if not spans[THREATS[1]] + spans[THREATS[2]]:
+        return "no statistic R over 1"
+    flagged = solution.flagged(config.divisors, config.statistic_form).any(axis=0)
+    names = [n for n, hit in zip(solution.satellites, flagged, strict=True) if hit]
+    of = f", R over 1 of {', '.join(names)}" if names else ""
+    told = ", ".join(f"{name} for {spans[name]:.0f} s" for name in THREATS[1:])
+    return f"{told}{of}"
+
+
 def _window_s(test: str) -> float:
     """Length of signal that a test looks at, by its name: 10 of 'codes, 10 s'."""
     return next((float(word) for word in test.split() if word.isdecimal()), 1.0)
@@ -122,14 +140,16 @@ def _window_s(test: str) -> float:
 
 def _highest(values: Floats) -> Floats:
     """Largest of the last axis, NaN where there is none."""
-    there = np.isfinite(values).any(axis=-1)
-    return np.where(there, np.nanmax(np.where(there[..., None], values, 0.0), axis=-1), np.nan)
+    highest = np.where(np.isfinite(values), values, -np.inf).max(axis=-1, initial=-np.inf)
+    return np.where(np.isfinite(highest), highest, np.nan)
 
 
 def _largest(covariance: Floats) -> Floats:
     """Largest variance in any direction of the plane (E,)."""
     half = 0.5 * (covariance[:, 0, 0] + covariance[:, 1, 1])
-    return half + np.hypot(0.5 * (covariance[:, 0, 0] - covariance[:, 1, 1]), covariance[:, 0, 1])
+    return np.asarray(
+        half + np.hypot(0.5 * (covariance[:, 0, 0] - covariance[:, 1, 1]), covariance[:, 0, 1])
+    )
 
 
 def _antenna(solution: TightSolution, lever_arm_m: tuple[float, float, float]) -> Floats:

@@ -122,7 +122,8 @@ def _left_out(track: AidedTrack | None) -> tuple[tuple[str, ...], bool]:
     """Satellites named, and whether all were left out together after a decision."""
     if track is None:
         return (), False
-    partial = track.guard == Guard.PARTIAL
+    # At the epoch of the decision itself none is used yet.
+    partial = (track.guard == Guard.PARTIAL) & (track.use == Use.USED).any(axis=1)
     out = (track.use == Use.EXCLUDED) & partial[:, None]
     names = tuple(n for n, hit in zip(track.satellites, out.any(axis=0), strict=True) if hit)
     return names, bool((track.guard == Guard.COASTING).any())

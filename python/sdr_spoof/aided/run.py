@@ -21,7 +21,7 @@ from sdr_spoof.errors import AidingError
 from sdr_spoof.progress import silent
 
 from .clocks import on_one_clock
-from .filtered import body_velocity, monitors_of, published_of, track_of
+from .filtered import body_velocity, monitors_of, published_of, three_way, track_of
 from .judge import judge
 from .rates import Rates, examine
 from .start import start_of
@@ -60,6 +60,8 @@ class Aided:
     """The R statistics."""
     story: tuple[str, ...] = ()
     """What the filter did, a sentence an event."""
+    three_way: str = ""
+    """The published verdict, in words."""
 
     @property
     def reference(self) -> GnssTime:
@@ -80,9 +82,7 @@ class Aided:
         return len(self.measurements.satellites)
 
 
-def aid(
-    measurements: Measurements, log: ImuLog, config: Config, stages: Stages = silent
-) -> Aided:
+def aid(measurements: Measurements, log: ImuLog, config: Config, stages: Stages = silent) -> Aided:
     """Filter, compare, judge.
 
     Args:
@@ -124,6 +124,7 @@ def aid(
         config.aided.integrity_risk,
         published_of(solution, config.tight),
         tuple(f"{e.time_s:.1f} s: {e.words()}" for e in solution.events),
+        three_way(solution, config.tight),
     )
 
 
@@ -180,4 +181,5 @@ def _rates(
     given = config.rate.model_fields_set
     update = {name: value for name, value in known.items() if name not in given}
     rate = config.rate.model_copy(update=update)
-    return free, examine(measurements, free, config.model_copy(update={"rate": rate}))
+    covered = measurements.part(row, measurements.time_s.size)
+    return free, examine(covered, free, config.model_copy(update={"rate": rate}))

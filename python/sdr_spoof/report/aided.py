@@ -79,6 +79,7 @@ def write_aided_report(
         span=f"{last - first:.0f} s examined · {aided.satellites} satellites",
         parts=list(_parts(aided, truth_m)),
         excluded=list(_rows(aided)),
+        story=aided.story,
         reference=f"{reference:%Y-%m-%d %H:%M:%S} UTC",
         config=list(flatten(config)),
         versions=[(name, version(name)) for name in LIBRARIES]
@@ -113,10 +114,16 @@ def _parts(aided: Aided, truth_m: NDArray[np.float64] | None) -> Iterator[Part]:
         )
     if aided.monitors:
         yield Part(
-            "Statistics against their thresholds",
-            "From 1 on a test alarms; dotted: the first alarm. R: mean squares of deviations of "
-            "GNSS from the INS in place, velocity, pseudoranges and rates.",
+            "Tests",
+            "Each test by its threshold: from 1 on it alarms; dotted: its first alarm.",
             figures.draw_monitors(aided.monitors, track),
+        )
+    if aided.published:
+        yield Part(
+            "R statistics",
+            "Published sums of squared deviations of GNSS from the INS, by what they reach without "
+            f"interference. The published verdict: {aided.three_way}.",
+            figures.draw_monitors(aided.published, track),
         )
     if aided.residuals:
         yield Part(
