@@ -1,5 +1,6 @@
 """Arrays of antennas in scenarios: phases of each antenna, near transmitters, files, mistakes."""
 
+import json
 from typing import Any
 
 import numpy as np
@@ -125,10 +126,7 @@ def test_each_antenna_is_a_recording_with_noise_of_its_own(tmp_path: Any) -> Non
 def test_mistakes_name_the_key(change: dict[str, Any], message: str, tmp_path: Any) -> None:
     path = tmp_path / "wrong.toml"
     table = ARRAY | change
-    rows = "\n".join(
-        f"{k} = {[list(r) if isinstance(r, tuple) else r for r in v] if isinstance(v, tuple) else v}"
-        for k, v in table.items()
-    )
+    rows = "\n".join(f"{k} = {json.dumps(v)}" for k, v in table.items())
     path.write_text(
         "[recording]\nduration_s = 1.0\nsample_rate_hz = 4.092e6\nlo_hz = 1575.42e6\n"
         'sample_format = "ci8"\n[sky]\nstart = "2023-03-12T12:00:00"\nsignals = ["L1CA"]\n'

@@ -16,6 +16,7 @@ from sdr_spoof.sources.sigmf_file import DATA, META, write_meta
 from .emitters import transmissions
 from .imu_data import imu_of
 from .truth import truth
+from .vehicle_data import moves_array, vehicle_csv
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -63,7 +64,8 @@ def synthesize(
 ) -> Path:
     """Write ``<out>.sigmf-data``, ``<out>.sigmf-meta`` and ``<out>.truth.json``.
 
-    A scenario with an IMU writes what it reads to ``<out>.imu.csv``.
+    A scenario with an IMU writes what it reads to ``<out>.imu.csv``; one with an array, what a
+    perfect INS would say to ``<out>.a0.vehicle.csv``.
 
     2-bit samples, which SigMF does not know, go to ``<out>.bin`` with ``<out>.bin.toml``. Ctrl-C
     leaves a valid, shorter recording, marked partial in its metadata and truth; KeyboardInterrupt
@@ -148,11 +150,12 @@ class _Files:
         self.meta = _with(stem, ".bin.toml" if raw else META)
         self.truth = _with(stem, ".truth.json")
         self.imu = None if scenario.imu is None else _with(stem, ".imu.csv")
+        self.vehicle = _with(stem, ".vehicle.csv") if moves_array(scenario) else None
         self.partial = _with(stem, ".part")
         self._raw = raw
 
     def check_absent(self) -> None:
-        for path in (self.data, self.meta, self.truth, self.imu):
+        for path in (self.data, self.meta, self.truth, self.imu, self.vehicle):
             if path is not None and path.exists():
                 raise OutputError(f"{path}: exists already; give another name or use --force")
 
@@ -171,6 +174,8 @@ class _Files:
         imu = imu_of(scenario, duration_s=count / plan.sample_rate_hz)
         if imu is not None and self.imu is not None:
             self.imu.write_text(imu.csv(), encoding="ascii")
+        if self.vehicle is not None:
+            self.vehicle.write_text(vehicle_csv(scenario), encoding="ascii")
         text = json.dumps(truth(scenario, sample_count=count))
         self.truth.write_text(text + "\n", encoding="utf-8")
         os.replace(self.partial, self.data)

@@ -12,13 +12,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
 
 from sdr_spoof.errors import AidingError
 from sdr_spoof.signals import LIGHT_M_S, signal_spec
 
 from . import motion, slips
-from .motion import Form
+from .config import ArrayConfig
 from .phases import ArrayPhases
 from .tracks import differences, noise_cycles
 
@@ -37,26 +36,6 @@ if TYPE_CHECKING:
 GRID_S = 0.1
 """Spacing of the phases; their noise is taken as white at it."""
 SPOOFED, CLEAN, NO_SUPPORT = "spoofed", "clean", "not enough support"
-
-
-class ArrayConfig(BaseModel):
-    """How an array's phases are tested."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    form: Form = Field("matched", description="test: pair, all, slope or matched")
-    false_alarm_probability: float = Field(
-        1e-3, gt=0, lt=0.5, description="of the whole recording, all satellites together"
-    )
-    test_every_m: float = Field(10.0, gt=0, description="way between two tests of a satellite")
-    least_way_m: float = Field(20.0, gt=0, description="way below which nothing is tested")
-    most_epochs: int = Field(20, ge=2, le=200, description="epochs of a test, spread evenly")
-    yaw_sigma_deg: float = Field(
-        0.5, ge=0, description="error of the INS's yaw since an earlier epoch"
-    )
-    line_sigma_cycles: float = Field(
-        0.0, ge=0, description="unknown constant delay of each antenna's line"
-    )
 
 
 @dataclass(frozen=True)
@@ -114,13 +93,18 @@ def examine(
         AidingError: fewer logs than antennas, or the reverse.
     """
     config = config or ArrayConfig()
-    antennas = len(array.baselines_m) + 1
-    if len(logs) != antennas:
-        raise AidingError(f"{len(logs)} recordings for an array of {antennas} antennas")
+    check_number(len(logs), array)
     plans = [_plan(d, array, vehicle, config) for d in differences(logs, vehicle.time_s)]
     tests = sum(len(p.ends) for p in plans)
     each = config.false_alarm_probability / max(tests, 1)
     return [_finding(p, array, vehicle, config, each) for p in plans]
+
+
+def check_number(recordings: int, array: AntennaArray) -> None:
+    """Refuse more or fewer recordings than antennas."""
+    antennas = len(array.baselines_m) + 1
+    if recordings != antennas:
+        raise AidingError(f"{recordings} recordings for an array of {antennas} antennas")
 
 
 @dataclass(frozen=True)

@@ -132,5 +132,5 @@ class SkyTable(BaseModel):
         if self.array is None:
             return moving
         place = self.array.elements_m[0] if reference else self.array.place_m
-        arm = tuple(a + b for a, b in zip(moving.lever_arm_m, place, strict=True))
-        return replace(moving, lever_arm_m=arm)
+        forward, right, down = (a + b for a, b in zip(moving.lever_arm_m, place, strict=True))
+        return replace(moving, lever_arm_m=(forward, right, down))
