@@ -14,6 +14,7 @@ from sdr_spoof.signals import components, signal_spec
 from .attack import AnyAttack, Victims
 from .base import FROZEN
 from .draw import of_attack
+from .imu_table import ImuTable
 from .recording_plan import RecordingPlan
 from .satellite import Satellite
 from .sky import SkyTable, sky_of
@@ -36,6 +37,7 @@ class Scenario(BaseModel):
     sky: SkyTable | None = Field(None, description="authentic satellites on their orbits")
     satellite: tuple[Satellite, ...] = Field((), description="authentic satellites")
     attack: tuple[AnyAttack, ...] = Field((), description="attacks, and multipath")
+    imu: ImuTable | None = Field(None, description="inertial sensors beside the antenna")
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -46,6 +48,7 @@ class Scenario(BaseModel):
         for satellite in self.satellites:
             table = "[[satellite]]" if satellite in self.satellite else "[sky]"
             self._check_band(table, satellite, satellite.signals)
+        self._check_imu()
         for number, attack in enumerate(self.attack):
             try:
                 attack.check(self.satellites, self.recording.duration_s)
@@ -54,6 +57,17 @@ class Scenario(BaseModel):
             for satellite, signals in self.victims(number):
                 self._check_band("[[attack]]", satellite, signals)
         return self
+
+    def _check_imu(self) -> None:
+        if self.imu is None:
+            return
+        if self.sky is None:
+            raise ValueError("[imu] needs a [sky], whose receiver moves; add one")
+        if self.imu.start_s >= self.recording.duration_s:
+            raise ValueError(
+                f"[imu] start_s {self.imu.start_s:g} is not before the end of the recording at "
+                f"{self.recording.duration_s:g} s"
+            )
 
     @property
     def satellites(self) -> tuple[Satellite, ...]:

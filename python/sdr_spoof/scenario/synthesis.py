@@ -14,6 +14,7 @@ from sdr_spoof.sources import RecordingFormat
 from sdr_spoof.sources.sigmf_file import DATA, META, write_meta
 
 from .emitters import transmissions
+from .imu_data import imu_of
 from .truth import truth
 
 if TYPE_CHECKING:
@@ -62,6 +63,8 @@ def synthesize(
 ) -> Path:
     """Write ``<out>.sigmf-data``, ``<out>.sigmf-meta`` and ``<out>.truth.json``.
 
+    A scenario with an IMU writes what it reads to ``<out>.imu.csv``.
+
     2-bit samples, which SigMF does not know, go to ``<out>.bin`` with ``<out>.bin.toml``. Ctrl-C
     leaves a valid, shorter recording, marked partial in its metadata and truth; KeyboardInterrupt
     is raised on once it is in place.
@@ -79,14 +82,15 @@ def synthesize(
     Raises:
         OutputError: files exist already, the folder is missing, or the disk is full.
     """
-    files = _Files(_stem(Path(out)), scenario.recording)
+    files = _Files(_stem(Path(out)), scenario)
     if not force:
         files.check_absent()
     synthesizer = open_synthesizer(scenario, threads)
+    imu_of(scenario)  # What is wrong with it is said before the long work.
     try:
         done = _write_samples(synthesizer, scenario.recording, files.partial, progress)
         if done:
-            files.finish(scenario, done)
+            files.finish(done)
     except OSError as error:
         files.partial.unlink(missing_ok=True)
         if isinstance(error, OutputError):
@@ -105,26 +109,33 @@ def truth_path(recording: Path | str) -> Path:
     return _with(_stem(Path(recording)), ".truth.json")
 
 
+def imu_path(recording: Path | str) -> Path:
+    """Path of the IMU's file beside a synthetic recording, named by any of its files."""
+    return _with(_stem(Path(recording)), ".imu.csv")
+
+
 class _Files:
     """Names of the output files."""
 
-    def __init__(self, stem: Path, plan: RecordingPlan) -> None:
-        raw = plan.bits_per_sample < 8
+    def __init__(self, stem: Path, scenario: Scenario) -> None:
+        raw = scenario.recording.bits_per_sample < 8
+        self.scenario = scenario
         self.stem = stem
         self.data = _with(stem, ".bin" if raw else DATA)
         self.meta = _with(stem, ".bin.toml" if raw else META)
         self.truth = _with(stem, ".truth.json")
+        self.imu = None if scenario.imu is None else _with(stem, ".imu.csv")
         self.partial = _with(stem, ".part")
         self._raw = raw
 
     def check_absent(self) -> None:
-        for path in (self.data, self.meta, self.truth):
-            if path.exists():
+        for path in (self.data, self.meta, self.truth, self.imu):
+            if path is not None and path.exists():
                 raise OutputError(f"{path}: exists already; give another name or use --force")
 
-    def finish(self, scenario: Scenario, count: int) -> None:
+    def finish(self, count: int) -> None:
         """Metadata and truth, then the data under its own name: complete or not there."""
-        plan = scenario.recording
+        scenario, plan = self.scenario, self.scenario.recording
         partial = count < plan.sample_count
         shared = {"sample_format", "sample_rate_hz", "lo_hz", "bandwidth_hz"}
         format = RecordingFormat.model_validate(plan.model_dump(include=shared))
@@ -134,6 +145,9 @@ class _Files:
             extra = {"synthetic": True, "partial": partial}
             start = scenario.sky.start_time.utc() if scenario.sky is not None else None
             write_meta(self.stem, format, extra, start)
+        imu = imu_of(scenario, duration_s=count / plan.sample_rate_hz)
+        if imu is not None and self.imu is not None:
+            self.imu.write_text(imu.csv(), encoding="ascii")
         text = json.dumps(truth(scenario, sample_count=count))
         self.truth.write_text(text + "\n", encoding="utf-8")
         os.replace(self.partial, self.data)
