@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import TYPE_CHECKING
 
+from ..gaps import gaps_of, sentences, uncounted
 from ..signals import satellite_name, signal_spec
 from . import anchors
 from .broadcast import Contents
@@ -16,8 +17,9 @@ from .symbols import Stretch, stretches_of, symbols_of
 from .weeks import dated
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
+    from ..gaps import Span
     from ..records import SignalTrack, TrackLog
     from .time import GnssTime
 
@@ -41,12 +43,12 @@ def decode(log: TrackLog, near: GnssTime | None = None) -> Navigation:
     ``near`` is any instant within some hours of the recording, where it is known: recordings too
     short for the week to be sent need it, and it resolves rollovers.
     """
-    decoded = [d for track in log.signals for d in _decoded(track, near)]
+    decoded = [d for t in log.signals for d in _decoded(t, uncounted(log, t), near)]
     navigation = _navigation(decoded, near)
     found = navigation.anchors
     for _ in range(LENDINGS):
         found = (*found, *_borrowed(log, found))
-    return replace(navigation, anchors=found)
+    return replace(navigation, anchors=found, notes=(*sentences(gaps_of(log)), *navigation.notes))
 
 
 def decode_runs(runs: Iterable[SymbolRun], near: GnssTime | None = None) -> Navigation:
@@ -74,11 +76,13 @@ def _navigation(decoded: list[_Decoded], near: GnssTime | None) -> Navigation:
     return Navigation(**vars(contents), frames=frames, anchors=tuple(found), notes=(*notes, *more))
 
 
-def _decoded(track: SignalTrack, near: GnssTime | None) -> list[_Decoded]:
+def _decoded(
+    track: SignalTrack, uncounted: Sequence[Span], near: GnssTime | None
+) -> list[_Decoded]:
     """Frames of a track by run; of a pilot those of its companion, in the pilot's count."""
     decoded = []
-    stretches = stretches_of(track)
-    for run in symbols_of(track):
+    stretches = stretches_of(track, uncounted)
+    for run in symbols_of(track, uncounted):
         message = message_on(run.signal, run.prn)
         if message is None:
             return []
@@ -135,7 +139,7 @@ def _borrowed(log: TrackLog, known: tuple[Anchor, ...]) -> list[Anchor]:
             and signal_spec(a.signal).system == system
         ]
         own = [a for a in known if (a.signal, a.prn) == (track.signal, track.prn)]
-        for stretch in stretches_of(track) if others else ():
+        for stretch in stretches_of(track, uncounted(log, track)) if others else ():
             if any(a.from_s < stretch.until_s and stretch.from_s < a.until_s for a in own):
                 continue
             borrowed += anchors.from_others(

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sdr_spoof.fixes import Status
+from sdr_spoof.gaps import uncounted
 from sdr_spoof.nav.orbit import positions
 from sdr_spoof.nav.records import Anchor
 from sdr_spoof.nav.symbols import symbols_of
@@ -102,7 +103,11 @@ def anchors_by(
 
 def snapshot_phases(log: TrackLog) -> tuple[float, list[CodePhase]]:
     """Sample time at which most signals are tracked, and their code phases then."""
-    runs = [(track, run.outline()) for track in log.signals for run in runs_of(track)]
+    runs = [
+        (track, run.outline())
+        for track in log.signals
+        for run in runs_of(track, uncounted(log, track))
+    ]
     if not runs:
         return 0.0, []
     bounds = [(float(run.time_s[0]), float(run.time_s[-1])) for _, run in runs]
@@ -143,7 +148,7 @@ def anchors_at(
             B1I D1) or, where only differences matter, to seconds.
         place_m: where the receiver was, ECEF (3,), to 100 km.
     """
-    counters = [c for track in log.signals for c in _counters(track, store, start, place_m)]
+    counters = [c for track in log.signals for c in _counters(log, track, store, start, place_m)]
     if not counters:
         return ()
     late_s = _common_error_s(counters)
@@ -152,14 +157,15 @@ def anchors_at(
 
 
 def _counters(
-    track: SignalTrack, store: Store, start: GnssTime, place_m: NDArray[np.float64]
+    log: TrackLog, track: SignalTrack, store: Store, start: GnssTime, place_m: NDArray[np.float64]
 ) -> list[_Counter]:
     spec = signal_spec(track.signal)
     selected = store.select(spec.system, track.prn, start)
     if selected is None:
         return []
-    runs = [r.outline() for r in runs_of(track)]
-    symbols = symbols_of(track)
+    spans = uncounted(log, track)
+    runs = [r.outline() for r in runs_of(track, spans)]
+    symbols = symbols_of(track, spans)
     counters = []
     for run in runs:
         begin, end = float(run.time_s[0]), float(run.time_s[-1])
