@@ -37,6 +37,11 @@ class Gap:
     satellites: tuple[str, ...]
     """Whose code periods were miscounted."""
 
+    @property
+    def span(self) -> Span:
+        """The two instants."""
+        return self.from_s, self.until_s
+
 
 def gaps_of(log: TrackLog) -> list[Gap]:
     """Gaps of a recording, in order."""
@@ -60,7 +65,7 @@ def uncounted(log: TrackLog, track: SignalTrack) -> list[Span]:
         for b in log.breaks
         if (b.prn, signal_spec(b.signal).system) == (track.prn, system)
     ]
-    return _joined([*own, *((g.from_s, g.until_s) for g in gaps_of(log))])
+    return _joined([*own, *(g.span for g in gaps_of(log))])
 
 
 def counted(

@@ -4,11 +4,10 @@ Layout: ``/`` holds ``partial`` and ``format_version``; ``/recording`` the forma
 ``/config`` the effective configuration (JSON); ``/acquisitions`` one column per field;
 ``/tracks/<signal>_<prn>`` and ``/combos/<lower>_<upper>_<prn>`` one column per field, one row per
 epoch;
-``/second_peaks`` one column per field, one row per search; ``/breaks``, where there are any, one row
-per :class:`CountBreak`; ``/verdict`` with tables of satellites
-and alarms; ``/navigation``, ``/observations`` and ``/fixes`` as :mod:`.hdf5_nested` has it. Every
-dataset has the attribute ``units``
-("1" where it has none). No dates are stored.
+``/second_peaks`` one column per field, one row per search; ``/breaks``, where there are any, one
+row per :class:`CountBreak`; ``/verdict`` with tables of satellites and alarms; ``/navigation``,
+``/observations`` and ``/fixes`` as :mod:`.hdf5_nested` has it. Every dataset has the attribute
+``units`` ("1" where it has none). No dates are stored.
 """
 
 from __future__ import annotations
