@@ -11,7 +11,7 @@ Van Diggelen, A-GPS: Assisted GPS, GNSS, and SBAS, 2009, chapter 4.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from sdr_spoof.fixes import Fixes
     from sdr_spoof.nav.ephemeris import Ephemeris
     from sdr_spoof.nav.store import Store
     from sdr_spoof.nav.time import GnssTime
@@ -99,6 +100,21 @@ def anchors_by(
     anchors = anchors_at(log, store, found, fix.position_m[0])
     late_s = found - start
     return anchors, (f"time from a snapshot of code phases, {late_s:+.3f} s against the one given",)
+
+
+def unconfirmed(fixes: Fixes, place_m: NDArray[np.float64], within_m: float) -> tuple[Fixes, str]:
+    """Fixes by a given time and given orbits, which no message confirmed, and a sentence on them.
+
+    Orbits turned as a whole about the Earth's axis fit any sky as well: the place found turns with
+    them, time and residuals stay. Only the given place speaks against it, as far as it is known.
+    """
+    status = np.where(fixes.status == Status.FIX, Status.UNCHECKED, fixes.status).astype(np.uint8)
+    away_m = float(np.linalg.norm(np.median(fixes.position_m[fixes.fixed], axis=0) - place_m))
+    return replace(fixes, status=status), (
+        f"no message confirms time and orbits: were the sky turned about the Earth's axis, all "
+        f"positions would be; they lie {away_m / 1e3:.1f} km from the place given, which may be "
+        f"{within_m / 1e3:.0f} km off (pvt.place_uncertainty_m)"
+    )
 
 
 def snapshot_phases(log: TrackLog) -> tuple[float, list[CodePhase]]:

@@ -130,3 +130,146 @@ impl Products {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::signal::{self, SignalSpec};
+    use crate::synth::random::hash;
+
+    /// Independent Gaussian numbers of variance 1.
+    struct Normal {
+        key: u64,
+        count: u64,
+    }
+
+    impl Normal {
+        fn next(&mut self) -> f64 {
+            let mut uniform = || {
+                self.count += 1;
+                (hash(self.key, self.count) >> 11) as f64 / (1u64 << 53) as f64
+            };
+            let (size, turn) = (uniform(), uniform());
+            (-2.0 * (1.0 - size).ln()).sqrt() * (std::f64::consts::TAU * turn).cos()
+        }
+    }
+
+    /// Signals and satellites.
+    const SIGNALS: [(&str, u16); 5] = [
+        ("B1I", 20),
+        ("B1I", 3),
+        ("L1CA", 7),
+        ("B1CP", 20),
+        ("E5AQ", 5),
+    ];
+    const CN0_DBHZ: [f64; 3] = [30.0, 40.0, 50.0];
+
+    /// Prompts of a signal with random data, and the watch over them.
+    struct Air {
+        spec: &'static SignalSpec,
+        overlay: Vec<i8>,
+        symbol: Option<usize>,
+        amplitude: f64,
+        noise: Normal,
+        data: f64,
+        watch: Watch,
+    }
+
+    impl Air {
+        fn new((signal, prn): (&str, u16), cn0_dbhz: f64, seed: u64) -> Self {
+            let spec = signal::find(signal).unwrap();
+            let (overlay, symbol) = (
+                spec.secondary(prn).unwrap(),
+                spec.periods_per_symbol(prn).unwrap(),
+            );
+            let watch = Watch::new(&overlay, symbol, spec.period_s());
+            let snr = 10f64.powf(0.1 * cn0_dbhz) * spec.period_s();
+            Air {
+                spec,
+                overlay,
+                symbol,
+                amplitude: (2.0 * snr).sqrt(),
+                noise: Normal {
+                    key: hash(seed, 0),
+                    count: 0,
+                },
+                data: 1.0,
+                watch,
+            }
+        }
+
+        fn places(&self) -> usize {
+            self.overlay.len().max(self.symbol.unwrap_or(1))
+        }
+
+        /// Passes the period with a place in the overlay as if it were that of another.
+        fn period(&mut self, sent: usize, counted: usize) -> Step {
+            if self.symbol.is_some_and(|n| sent.is_multiple_of(n)) {
+                self.data = self.noise.next().signum();
+            }
+            let chip = self.overlay.get(sent).map_or(1.0, |&c| f64::from(c));
+            let signal = C64::from_polar(self.amplitude * self.data * chip, 0.7);
+            let noise = C64::new(self.noise.next(), self.noise.next());
+            self.watch.add_slice(signal + noise);
+            self.watch.end_period(counted)
+        }
+
+        /// Verdicts (right, wrong) over a time, with so many periods missing before it.
+        fn run(&mut self, missing: usize, duration_s: f64) -> (usize, usize) {
+            let (n, mut right, mut wrong) = (self.places(), 0, 0);
+            for k in 0..(duration_s / self.spec.period_s()) as usize {
+                match self.period((k + missing) % n, k % n) {
+                    Step::Open => {}
+                    Step::In => right += 1,
+                    Step::Out => wrong += 1,
+                }
+            }
+            (right, wrong)
+        }
+    }
+
+    fn false_alarms(duration_s: f64) -> usize {
+        let mut wrong = 0;
+        for (i, signal) in SIGNALS.into_iter().enumerate() {
+            for (j, cn0_dbhz) in CN0_DBHZ.into_iter().enumerate() {
+                let found = Air::new(signal, cn0_dbhz, (10 * i + j) as u64).run(0, duration_s);
+                assert!(
+                    found.0 as f64 > 0.1 * duration_s,
+                    "{signal:?} {cn0_dbhz} {found:?}"
+                );
+                wrong += found.1;
+            }
+        }
+        wrong
+    }
+
+    #[test]
+    fn what_is_in_step_is_confirmed_and_never_called_wrong() {
+        assert_eq!(false_alarms(100.0), 0);
+    }
+
+    #[test]
+    #[ignore = "hours of prompts: the rate in docs/validation.md"]
+    fn false_alarms_of_hours() {
+        assert_eq!(false_alarms(36_000.0), 0);
+    }
+
+    #[test]
+    fn what_is_out_of_step_is_found() {
+        for (i, signal) in SIGNALS.into_iter().enumerate() {
+            for (j, cn0_dbhz) in CN0_DBHZ.into_iter().enumerate() {
+                for missing in [1, 3, 7] {
+                    let mut air = Air::new(signal, cn0_dbhz, (100 + 10 * i + j) as u64);
+                    if missing % air.places() == 0 {
+                        continue;
+                    }
+                    let (right, wrong) = air.run(missing, 20.0);
+                    assert!(
+                        right == 0 && wrong > 0,
+                        "{signal:?} {cn0_dbhz} {missing}: {right} {wrong}"
+                    );
+                }
+            }
+        }
+    }
+}
