@@ -1,4 +1,4 @@
-"""Time of every decision rule for 1e6 epochs of 8 satellites on one core: python benches/rules.py."""
+"""Time of every decision rule for 1e6 epochs of 8 satellites: python benches/rules.py."""
 
 import os
 import time
