@@ -70,7 +70,7 @@ def write_report(
         dict.fromkeys([t.signal for t in log.signals] or [a.signal for a in acquisitions])
     )
     spectrum = estimate_spectrum(recording) if recording is not None else None
-    content = _template().stream(
+    content = template("report.html.j2").stream(
         words=words,
         verdict=verdict,
         level=words.level(verdict),
@@ -101,7 +101,8 @@ def write_report(
     return path
 
 
-def _template() -> Template:
+def template(name: str) -> Template:
+    """Page of the folder ``templates``."""
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent / "templates"),
         autoescape=True,
@@ -109,7 +110,7 @@ def _template() -> Template:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template("report.html.j2")
+    return environment.get_template(name)
 
 
 def _on_top(satellite: SatelliteVerdict, ordered: Sequence[SatelliteVerdict]) -> bool:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
-from datetime import UTC, datetime
+from datetime import datetime
 from typing import Any, Literal, Self
 
 from pydantic import BaseModel, Field, field_validator, model_validator
 
+from sdr_spoof.nav.instants import instant
 from sdr_spoof.nav.time import GnssTime
 from sdr_spoof.scenario.base import FROZEN
 from sdr_spoof.signals import components, signal_spec
@@ -17,7 +17,6 @@ from .receiver import AnyReceiver
 
 SYSTEMS = {"C": "BDT", "G": "GPS"}
 """Systems of which there are orbits, and the names of their times."""
-_WEEK = re.compile(r"(GPS|GPST|BDT)\s+(\d+)\s+([\d.]+)")
 
 
 class SatelliteOverride(BaseModel):
@@ -114,18 +113,7 @@ class SkyTable(BaseModel):
     @property
     def start_time(self) -> GnssTime:
         """Time of the first sample, by a right clock."""
-        week = _WEEK.fullmatch(self.start.strip())
-        if week:
-            system = "C" if week[1] == "BDT" else "G"
-            return GnssTime.of_week(int(week[2]), float(week[3]), system)
-        try:
-            date = datetime.fromisoformat(self.start)
-        except ValueError as error:
-            raise ValueError(
-                f"start: '{self.start}' is neither a date such as 2023-03-12T12:00:00 nor week "
-                "and seconds such as 'BDT 897 43204'"
-            ) from error
-        return GnssTime.of_utc(date.astimezone(UTC) if date.tzinfo else date)
+        return instant(self.start)
 
     def override(self, system: str, prn: int) -> SatelliteOverride:
         """What differs for a satellite."""
