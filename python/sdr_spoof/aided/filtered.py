@@ -15,7 +15,7 @@ from sdr_spoof.scenario.sky.earth import enu_axes
 from sdr_spoof.scenario.sky.trajectory import rotations
 
 from . import alone
-from .records import AidedTrack, Monitor, Use
+from .records import AidedTrack, Guard, Monitor, Use
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -83,6 +83,7 @@ def monitors_of(solution: TightSolution, config: TightConfig) -> tuple[Monitor, 
     for name, (begins, field) in KINDS.items():
         columns = [k for k, test in enumerate(TESTS) if test.startswith(begins)]
         value = _highest(solution.deviates[:, columns])
+        value[solution.state == Guard.STARTING] = np.nan
         if not np.any(np.nan_to_num(value)):
             continue  # not tested at all
         raised = [e for e in solution.events if e.test and TESTS.index(e.test) in columns]
@@ -126,7 +127,7 @@ def three_way(solution: TightSolution, config: TightConfig) -> str:
     }
     if not spans[THREATS[1]] + spans[THREATS[2]]:
         return "no statistic R over 1"
-    flagged = solution.flagged(config.divisors, config.statistic_form).any(axis=0)
+    flagged = np.any(solution.flagged(config.divisors, config.statistic_form), axis=0).tolist()
     names = [n for n, hit in zip(solution.satellites, flagged, strict=True) if hit]
     of = f", R over 1 of {', '.join(names)}" if names else ""
     told = ", ".join(f"{name} for {spans[name]:.0f} s" for name in THREATS[1:])
@@ -164,4 +165,4 @@ def _earth_fixed(ned: Floats, position_m: Floats) -> Floats:
     known = np.isfinite(position_m).all(axis=1, keepdims=True)
     axes = enu_axes(np.where(known, position_m, [6_378_137.0, 0.0, 0.0]))
     enu = np.stack([ned[:, 1], ned[:, 0], -ned[:, 2]], axis=-1)
-    return np.einsum("ei,eix->ex", enu, axes)
+    return np.asarray(np.einsum("ei,eix->ex", enu, axes))

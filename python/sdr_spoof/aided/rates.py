@@ -77,9 +77,9 @@ def _monitor(
     rows = np.clip(np.searchsorted(time_s, series.time_s - 1e-6), 0, time_s.size - 1)
     value[rows] = series.value
     threshold[rows] = series.threshold(config.detection.false_alarm_probability)
-    decided = None
-    if series.time_s.size:
-        decided = decision.find(config.detection.rule)(series, config.detection)
+    decided = decision.decide(series, config.detection) if series.time_s.size else None
+    if isinstance(decided, decision.Refusal):
+        decided = None
     return Monitor(
         name,
         time_s,

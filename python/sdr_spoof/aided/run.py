@@ -24,9 +24,10 @@ from .clocks import on_one_clock
 from .filtered import body_velocity, monitors_of, published_of, three_way, track_of
 from .judge import judge
 from .rates import Rates, examine
-from .start import start_of
+from .start import begin
 
 if TYPE_CHECKING:
+    from sdr_spoof.aiding.error_growth import AlignmentSigma
     from sdr_spoof.aiding.records import ImuLog, Measurements
     from sdr_spoof.aiding.tight import TightSolution
     from sdr_spoof.config import Config
@@ -99,9 +100,10 @@ def aid(measurements: Measurements, log: ImuLog, config: Config, stages: Stages 
     config = with_grade(config)
     log = on_one_clock(log, measurements)
     with stages("Aligning"):
-        start = start_of(log, measurements, config)
+        beginning = begin(log, measurements, config)
+        config = _with_sigma(config, beginning.sigma)
     with stages("Filtering"):
-        solution = run_filter(log, measurements, start, config.tight)
+        solution = run_filter(log, measurements, beginning.start, config.tight)
         track = track_of(solution, measurements, config.aided.integrity_risk)
         tests = monitors_of(solution, config.tight)
     with stages("Testing rates"):
@@ -123,7 +125,10 @@ def aid(measurements: Measurements, log: ImuLog, config: Config, stages: Stages 
         rates.residuals,
         config.aided.integrity_risk,
         published_of(solution, config.tight),
-        tuple(f"{e.time_s:.1f} s: {e.words()}" for e in solution.events),
+        (
+            f"{beginning.start.time_s:.1f} s: begins; alignment {beginning.method}",
+            *(f"{e.time_s:.1f} s: {e.words()}" for e in solution.events),
+        ),
         three_way(solution, config.tight),
     )
 
@@ -151,11 +156,27 @@ def with_grade(config: Config) -> Config:
     return config.model_copy(update={"tight": tight, "rate": rate})
 
 
+def _with_sigma(config: Config, sigma: AlignmentSigma | None) -> Config:
+    """The configuration with what an alignment says of its errors, where none is given."""
+    if sigma is None:
+        return config
+    found = {
+        "start_position_m": max(sigma.position_m),
+        "start_velocity_m_s": max(sigma.velocity_m_s),
+        "start_level_deg": math.degrees(max(sigma.attitude_rad[:2])),
+        "start_heading_deg": math.degrees(sigma.attitude_rad[2]),
+    }
+    given = config.tight.model_fields_set
+    update = {name: max(v, 1e-3) for name, v in found.items() if name not in given}
+    return config.model_copy(update={"tight": config.tight.model_copy(update=update)})
+
+
 def _rates(
     log: ImuLog, measurements: Measurements, solution: TightSolution, config: Config
 ) -> tuple[InertialStates | None, Rates]:
     """The free INS from the filter's first settled epoch on, and the tests with it."""
-    settled = solution.valid & (solution.time_s >= solution.time_s[0] + config.tight.settle_s)
+    begins = solution.time_s[int(np.argmax(solution.valid))]
+    settled = solution.valid & (solution.time_s >= begins + config.tight.settle_s)
     if not settled.any() or not config.aided.detectors:
         note = f"rates: the filter has not settled within {config.tight.settle_s:g} s"
         return None, Rates((), (), (note,), (), 0.0)

@@ -89,6 +89,8 @@ class Measurements:
 
     def part(self, start: int, stop: int) -> Self:
         """Epochs ``start`` to ``stop``; the first change keeps what it counts from."""
-        names = ("time_s", "satellite_m", "satellite_velocity_m_s", "range_m", "rate_m_s")
-        names += ("change_m", "cn0_dbhz", "spoofed")
+        names = (
+            *("time_s", "satellite_m", "satellite_velocity_m_s", "range_m", "rate_m_s"),
+            *("change_m", "cn0_dbhz", "spoofed"),
+        )
         return replace(self, **{name: getattr(self, name)[start:stop] for name in names})

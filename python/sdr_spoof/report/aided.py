@@ -95,7 +95,7 @@ def _parts(aided: Aided, truth_m: NDArray[np.float64] | None) -> Iterator[Part]:
     if track is not None:
         yield Part(
             "Map",
-            "The way by GNSS alone, every satellite believed, and by the aided receiver. Dots: "
+            "The way by GNSS alone, every satellite believed, and by the aided receiver. Shaded: "
             "where it did not believe all satellites.",
             figures.draw_map(track, truth_m),
         )
@@ -135,10 +135,16 @@ def _parts(aided: Aided, truth_m: NDArray[np.float64] | None) -> Iterator[Part]:
 
 
 def _rows(aided: Aided) -> Iterator[Row]:
-    if aided.track is None:
+    """Stretches in which all were left out, then those of single satellites."""
+    track = aided.track
+    if track is None:
         return
+    heard = track.use != Use.NONE
+    everyone = heard.any(axis=1) & (~heard | (track.use == Use.EXCLUDED)).all(axis=1)
+    for begin, end in stretches(track.time_s, everyone):
+        yield Row("all", "the filter", begin, end)
     by = {Use.EXCLUDED: "the filter", Use.NAMED: "the receiver's detectors"}
-    for k, name in enumerate(aided.track.satellites):
+    for k, name in enumerate(track.satellites):
         for use, who in by.items():
-            for begin, end in stretches(aided.track.time_s, aided.track.use[:, k] == use):
+            for begin, end in stretches(track.time_s, (track.use[:, k] == use) & ~everyone):
                 yield Row(name, who, begin, end)

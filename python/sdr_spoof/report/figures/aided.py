@@ -59,15 +59,18 @@ def draw_map(track: AidedTrack, truth_m: NDArray[np.float64] | None) -> str:
         for state in (Guard.DECIDING, Guard.PARTIAL, Guard.COASTING):
             rows = np.flatnonzero(track.guard == state)
             if rows.size:
-                rows = rows[:: -(-rows.size // 400)]
+                rows = rows[:: -(-rows.size // 800)]
+                name = GUARDS[state].split(":")[0]
                 axes.plot(
                     aided[rows, 0],
                     aided[rows, 1],
-                    ".",
+                    "o",
                     color=GUARD_COLOURS[state],
-                    markersize=5,
-                    label=GUARDS[state].split(":")[0],
-                    zorder=4,
+                    markersize=9,
+                    markeredgewidth=0,
+                    alpha=0.3,
+                    label=name,
+                    zorder=1,
                 )
         known = np.flatnonzero(np.isfinite(aided[:, 0]))
         if known.size:

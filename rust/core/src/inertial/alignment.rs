@@ -10,7 +10,7 @@
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use rayon::prelude::*;
 
-use super::coning::{self, History};
+use super::coning::{self, History, Motion};
 use super::earth::Earth;
 use super::{gravity, Increment};
 use crate::nav_math::geodesy::Geodetic;
@@ -75,7 +75,7 @@ pub struct Fit {
     pub information: Matrix3<f64>,
 }
 
-/// Fits each reading; parallel over them. Epochs ascend and lie within the increments.
+/// Fits each reading; parallel over them. Epochs, two or more, ascend and lie within the increments.
 pub fn fit_all(increments: &[Increment], epochs: &[Epoch], readings: &[Reading]) -> Vec<Fit> {
     let (measured, turned) = measured(epochs);
     let one = |reading: &Reading| {
@@ -122,35 +122,40 @@ fn felt(
     reading: &Reading,
 ) -> (Vec<Vector3<f64>>, UnitQuaternion<f64>) {
     let mut history = History::default();
-    let mut axes = UnitQuaternion::identity();
-    let (mut sum, mut time, mut next) = (Vector3::zeros(), 0.0, 0);
-    let mut vectors: Vec<Vector3<f64>> = Vec::with_capacity(epochs.len());
-    let mut last = axes;
+    let mut body = Felt::default();
+    let (mut time, mut waiting) = (0.0, epochs.iter().peekable());
+    let mut passed = Vec::with_capacity(epochs.len());
     for increment in increments {
         let motion = history.motion(&reading.of(increment));
-        let step = axes * motion.velocity;
-        while let Some(epoch) = epochs.get(next) {
-            let share = (epoch.time - time) / increment.interval;
-            if share > 1.0 + 1e-9 {
-                break;
-            }
-            vectors.push(sum + share * step);
-            last = axes * coning::quaternion(&(share * motion.rotation));
-            if next == 0 {
-                // From here on: the body axes of the first epoch.
-                axes = last.inverse() * axes;
-                sum = -share * (last.inverse() * step);
-                vectors[0] = Vector3::zeros();
-                last = UnitQuaternion::identity();
-            }
-            next += 1;
+        let share = |epoch: &Epoch| (epoch.time - time) / increment.interval;
+        while let Some(epoch) = waiting.next_if(|epoch| share(epoch) <= 1.0 + 1e-9) {
+            passed.push(body.moved(&motion, share(epoch)));
         }
-        sum += axes * motion.velocity;
-        axes *= coning::quaternion(&motion.rotation);
+        body = body.moved(&motion, 1.0);
         time += increment.interval;
     }
-    vectors.resize(epochs.len(), sum);
-    (vectors, last)
+    passed.resize(epochs.len(), body);
+    let into = passed[0].axes.inverse();
+    let since = |felt: &Felt| into * (felt.sum - passed[0].sum);
+    let turned = into * passed[epochs.len() - 1].axes;
+    (passed.iter().map(since).collect(), turned)
+}
+
+/// Sum of the specific force and turn of the body, in the body axes of the beginning.
+#[derive(Debug, Clone, Copy, Default)]
+struct Felt {
+    sum: Vector3<f64>,
+    axes: UnitQuaternion<f64>,
+}
+
+impl Felt {
+    /// After a share of an interval.
+    fn moved(&self, motion: &Motion, share: f64) -> Felt {
+        Felt {
+            sum: self.sum + self.axes * (share * motion.velocity),
+            axes: self.axes * coning::quaternion(&(share * motion.rotation)),
+        }
+    }
 }
 
 fn mean(vectors: &[Vector3<f64>]) -> Vector3<f64> {
