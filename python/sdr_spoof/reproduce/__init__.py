@@ -12,6 +12,7 @@ from sdr_spoof.errors import ConfigError
 from sdr_spoof.progress import Stages, silent
 
 from . import array, combo, sprt_dme
+from . import combo, ship
 from .output import check_folder, summary, write
 from .study import Effort, Reproduction, Study
 
@@ -20,6 +21,7 @@ __all__ = ["STUDIES", "Effort", "Reproduction", "Study", "find", "reproduce", "s
 STUDIES: dict[str, Study] = {
     study.name: study for study in (combo.STUDY, array.STUDY, sprt_dme.STUDY)
 }
+STUDIES: dict[str, Study] = {study.name: study for study in (combo.STUDY, ship.STUDY)}
 """Every study, by name."""
 
 
