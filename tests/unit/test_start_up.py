@@ -14,9 +14,3 @@ def test_the_command_line_loads_nothing_slow():
     code = f"import sys, sdr_spoof.cli; print([m for m in {SLOW} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
-
-
-def test_a_report_needs_no_matplotlib():
-    code = "import sys, sdr_spoof.pipeline; print('matplotlib' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "False"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
@@ -17,7 +16,6 @@ from sdr_spoof.fusion import share_of
 from sdr_spoof.positioning import Located
 from sdr_spoof.records import Acquisition, Alarm, SatelliteVerdict, TrackLog, Verdict
 from sdr_spoof.report import words
-from sdr_spoof.report.chart import Drawing
 from sdr_spoof.report.evidence import EvidenceBook
 from sdr_spoof.report.figures.case import Case
 from sdr_spoof.report.figures.difference import draw_difference
@@ -27,7 +25,7 @@ from sdr_spoof.report.figures.signals import draw_acquisition, draw_cn0
 from sdr_spoof.report.figures.spectrum import draw_spectrum
 from sdr_spoof.report.figures.truth import TruthMark
 from sdr_spoof.report.position import draw_position
-from sdr_spoof.report.spectrum import RecordingLike, Spectrum, estimate_spectrum
+from sdr_spoof.report.spectrum import RecordingLike, estimate_spectrum
 from sdr_spoof.satellites import tracks_of
 from sdr_spoof.sinks.atomic import replacing
 from sdr_spoof.verdict import CLEAN, NO_SUPPORT, SPOOFED, SUSPECT, statistics
@@ -39,9 +37,6 @@ MOST_OVERVIEWS = 3
 """Overviews at the top of the report; those of further satellites are in their details."""
 MOST_ALARMS = 2
 """Alarms of a satellite with a figure of their own; the overview shows them all."""
-Detail = tuple[
-    SatelliteVerdict, Drawing, Drawing | None, Drawing | None, list[tuple[Alarm, Drawing]]
-]
 LIBRARIES = ("sdr-spoof", "numpy", "scipy", "matplotlib")
 
 
@@ -71,16 +66,13 @@ def write_report(
     if path.exists() and not force:
         raise OutputError(f"{path}: exists already; add --force to replace it")
     ordered = words.ordered(verdict)
-    with ThreadPoolExecutor(max_workers=1) as pool:  # its transforms leave Python free
-        later = pool.submit(_spectrum, recording)
-        tests = _draw_tests(log, verdict, book or _book_of(log, detection), truth)
-        details = list(_details(ordered[:MOST_DETAILS], log, tests))
-        spectrum = later.result()
+    tests = _draw_tests(log, verdict, book or _book_of(log, detection), truth)
     verdicts = {(s.system, s.prn): s.verdict for s in ordered}
     signals = list(
         dict.fromkeys([t.signal for t in log.signals] or [a.signal for a in acquisitions])
     )
-    content = _template().stream(
+    spectrum = estimate_spectrum(recording) if recording is not None else None
+    content = template("report.html.j2").stream(
         words=words,
         verdict=verdict,
         level=words.level(verdict),
@@ -99,7 +91,7 @@ def write_report(
         table=list(tests.book.rows(detection.detectors, list(verdicts))),
         verdicts=verdicts,
         overviews=[(s, tests.overviews[s.system, s.prn]) for s in ordered if _on_top(s, ordered)],
-        details=details,
+        details=list(_details(ordered[:MOST_DETAILS], log, tests)),
         position=draw_position(located, why_not_located),
         left_out=[words.satellite_name(s.system, s.prn) for s in ordered[MOST_DETAILS:]],
         config=list(flatten(effective_config or {"detection": detection.model_dump()})),
@@ -111,11 +103,8 @@ def write_report(
     return path
 
 
-def _spectrum(recording: RecordingLike | None) -> Spectrum | None:
-    return estimate_spectrum(recording) if recording is not None else None
-
-
-def _template() -> Template:
+def template(name: str) -> Template:
+    """Page of the folder ``templates``."""
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent / "templates"),
         autoescape=True,
@@ -123,7 +112,7 @@ def _template() -> Template:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template("report.html.j2")
+    return environment.get_template(name)
 
 
 def _on_top(satellite: SatelliteVerdict, ordered: Sequence[SatelliteVerdict]) -> bool:
@@ -136,9 +125,9 @@ class _Tests:
     """What was tested, and pictures of it."""
 
     book: EvidenceBook
-    overviews: dict[tuple[str, int], Drawing] = field(default_factory=dict)
-    alarms: dict[Alarm, Drawing] = field(default_factory=dict)
-    quiet: dict[tuple[str, int], Drawing] = field(default_factory=dict)
+    overviews: dict[tuple[str, int], str] = field(default_factory=dict)
+    alarms: dict[Alarm, str] = field(default_factory=dict)
+    quiet: dict[tuple[str, int], str] = field(default_factory=dict)
     """Of satellites without an alarm."""
 
 
@@ -171,7 +160,7 @@ def _draw_tests(
 
 def _draw_alarms(
     log: TrackLog, config: DetectionConfig, alarms: Sequence[Alarm], truth: TruthMark | None
-) -> dict[Alarm, Drawing]:
+) -> dict[Alarm, str]:
     """Measurement and statistic around alarms; their detectors run once more."""
     names = [n for n in dict.fromkeys(config.detectors) if n in {a.detector for a in alarms}]
     if not names:
@@ -193,7 +182,7 @@ def _of(truth: TruthMark | None, system: str, prn: int) -> TruthMark | None:
 
 def _details(
     satellites: Sequence[SatelliteVerdict], log: TrackLog, tests: _Tests
-) -> Iterator[Detail]:
+) -> Iterator[tuple[SatelliteVerdict, str, str | None, str | None, list[tuple[Alarm, str]]]]:
     """(satellite, small multiples, overview not at the top, tests of a quiet one, alarms)."""
     for satellite in satellites:
         key = satellite.system, satellite.prn

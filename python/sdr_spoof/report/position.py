@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from sdr_spoof.positioning.summary import sentences, summarise
-from sdr_spoof.report.chart import Drawing
 from sdr_spoof.report.figures.position import draw_geometry, draw_track
 from sdr_spoof.report.figures.sky_plot import draw_sky
 
@@ -20,7 +19,7 @@ class PositionPart:
 
     sentences: tuple[str, ...]
     notes: tuple[str, ...] = ()
-    figures: tuple[tuple[str, Drawing], ...] = ()
+    figures: tuple[tuple[str, str], ...] = ()
     """(what it shows, picture)."""
 
 

@@ -2,12 +2,13 @@
 //!
 //! A state is a row of nine numbers: Earth-fixed position and velocity, then yaw, pitch, roll.
 
-use nalgebra::{UnitQuaternion, Vector3};
-use numpy::ndarray::{Array1, Array3, ArrayView1, ArrayView2, ArrayView3, Axis};
-use numpy::{IntoPyArray, PyArray1, PyArray3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use numpy::ndarray::{Array1, Array2, Array3, ArrayView1, ArrayView2, ArrayView3, Axis};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use sdr_spoof_core::inertial::alignment::{self, Epoch, Reading};
 use sdr_spoof_core::inertial::batch::{self, Mechanisation, Plan, Reset, Run, Vertical, COLUMNS};
 use sdr_spoof_core::inertial::covariance::{self, SensorNoise, Uncertainty};
 use sdr_spoof_core::inertial::ecef::to_earth;
@@ -76,15 +77,20 @@ fn alignments(values: Option<ArrayView3<'_, f64>>) -> PyResult<Vec<Vec<StateErro
     Ok(values.outer_iter().map(run).collect())
 }
 
-fn resets(after: &[usize], states: ArrayView2<'_, f64>) -> PyResult<Vec<Reset>> {
-    wide(states.nrows(), after.len(), "states of resets")?;
-    let reset = |(&after, row)| {
-        Ok(Reset {
-            after,
-            state: state(row)?,
-        })
+/// Numbers of increments and whether a gap follows them, and the states then.
+type Realigned<'py> = (Vec<(usize, bool)>, PyReadonlyArray2<'py, f64>);
+
+fn resets((after, states): &Realigned<'_>) -> PyResult<Vec<Reset>> {
+    wide(states.as_array().nrows(), after.len(), "states of resets")?;
+    let reset = |(&(after, gap), row)| {
+        let state = state(row)?;
+        Ok(Reset { after, state, gap })
     };
-    after.iter().zip(states.rows()).map(reset).collect()
+    after
+        .iter()
+        .zip(states.as_array().rows())
+        .map(reset)
+        .collect()
 }
 
 fn verticals(values: ArrayView2<'_, f64>, rows: usize) -> PyResult<Vec<Vertical>> {
@@ -103,7 +109,7 @@ fn verticals(values: ArrayView2<'_, f64>, rows: usize) -> PyResult<Vec<Vertical>
 /// States (R, M, 9) of all runs at the start and after each `every` increments.
 ///
 /// `errors`: an `aiding.imu.errors.ImuErrors` for each run; empty: one run over the increments as
-/// they are. `realigned`: numbers of increments and the states then. `vertical`: height and velocity
+/// they are. `realigned`: numbers of increments, whether a gap follows, and the states then. `vertical`: height and velocity
 /// downwards after each increment.
 #[pyfunction]
 #[pyo3(signature = (rotation, velocity, interval, start, *, every, errors, alignments=None,
@@ -118,7 +124,7 @@ fn inertial_navigate<'py>(
     every: usize,
     errors: Vec<Bound<'py, PyAny>>,
     alignments: Option<PyReadonlyArray3<'py, f64>>,
-    realigned: Option<(Vec<usize>, PyReadonlyArray2<'py, f64>)>,
+    realigned: Option<Realigned<'py>>,
     vertical: Option<PyReadonlyArray2<'py, f64>>,
     earth_fixed: bool,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
@@ -127,10 +133,7 @@ fn inertial_navigate<'py>(
         velocity.as_array(),
         interval.as_array(),
     )?;
-    let resets = match &realigned {
-        Some((after, states)) => resets(after, states.as_array())?,
-        None => Vec::new(),
-    };
+    let resets = realigned.as_ref().map_or(Ok(Vec::new()), resets)?;
     let vertical = vertical
         .map(|v| verticals(v.as_array(), increments.len()))
         .transpose()?;
@@ -225,6 +228,62 @@ fn inertial_covariance<'py>(
         .into_pyarray(py))
 }
 
+/// Eight rows of three: matrices of gyros and accelerometers, then their biases.
+fn reading(rows: ArrayView2<'_, f64>) -> Reading {
+    let row = |k: usize| three(rows.row(k), 0).transpose();
+    Reading {
+        gyro: Matrix3::from_rows(&[row(0), row(1), row(2)]),
+        accelerometer: Matrix3::from_rows(&[row(3), row(4), row(5)]),
+        gyro_bias: three(rows.row(6), 0),
+        accelerometer_bias: three(rows.row(7), 0),
+    }
+}
+
+/// Time since the first increment's start, Earth-fixed position and velocity.
+fn epoch(row: ArrayView1<'_, f64>) -> Epoch {
+    let place = WGS84.geodetic(three(row, 1));
+    Epoch {
+        time: row[0],
+        place,
+        velocity: to_earth(place).inverse() * three(row, 4),
+    }
+}
+
+/// What fits measured velocities: epochs (K, 7) and readings (C, 8, 3) in; rows (C, 14) out of yaw,
+/// pitch, roll at the last epoch, scatter in m/s, scale, and the nine numbers of the information.
+#[pyfunction]
+fn inertial_fit<'py>(
+    py: Python<'py>,
+    rotation: PyReadonlyArray2<'py, f64>,
+    velocity: PyReadonlyArray2<'py, f64>,
+    interval: PyReadonlyArray1<'py, f64>,
+    epochs: PyReadonlyArray2<'py, f64>,
+    readings: PyReadonlyArray3<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let increments = increments(
+        rotation.as_array(),
+        velocity.as_array(),
+        interval.as_array(),
+    )?;
+    let (epochs, readings) = (epochs.as_array(), readings.as_array());
+    wide(epochs.ncols(), 7, "columns of epochs")?;
+    wide(readings.len_of(Axis(1)), 8, "rows of a reading")?;
+    wide(readings.len_of(Axis(2)), 3, "columns of a reading")?;
+    let epochs: Vec<Epoch> = epochs.rows().into_iter().map(epoch).collect();
+    let readings: Vec<Reading> = readings.outer_iter().map(reading).collect();
+    let fits = py.detach(|| alignment::fit_all(&increments, &epochs, &readings));
+    let mut rows = Array2::zeros((fits.len(), 14));
+    for (mut row, fit) in rows.rows_mut().into_iter().zip(&fits) {
+        let (roll, pitch, yaw) = fit.attitude.euler_angles();
+        let first = [yaw, pitch, roll, fit.scatter, fit.scale];
+        let values = first.iter().chain(fit.information.iter());
+        row.iter_mut()
+            .zip(values)
+            .for_each(|(to, from)| *to = *from);
+    }
+    Ok(rows.into_pyarray(py))
+}
+
 /// Normal gravity (N,) in m/s^2 at latitudes in rad and heights in m (N,), straight down.
 #[pyfunction]
 fn normal_gravity<'py>(
@@ -242,5 +301,6 @@ fn normal_gravity<'py>(
 pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(inertial_navigate, m)?)?;
     m.add_function(wrap_pyfunction!(inertial_covariance, m)?)?;
+    m.add_function(wrap_pyfunction!(inertial_fit, m)?)?;
     m.add_function(wrap_pyfunction!(normal_gravity, m)?)
 }

@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 
 mod acquire;
 mod bench;
+mod decision;
 mod fec;
 mod fixes;
 mod imu;
@@ -13,6 +14,7 @@ mod navigation;
 mod signals;
 mod simulate;
 mod synth;
+mod tight;
 mod track;
 
 /// Core errors become ValueError; Python wraps them where it can say more.
@@ -33,6 +35,8 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     fixes::register(m)?;
     imu::register(m)?;
     inertial::register(m)?;
+    tight::register(m)?;
+    decision::register(m)?;
     // Load numpy's C interface here, where an error can be raised: loaded on first use, it would
     // panic when Ctrl-C comes in between.
     m.py().import("numpy")?;

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
+from typing import Any, Literal
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure, SubFigure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, NullLocator
 
 from sdr_spoof.records import SignalTrack, State
-from sdr_spoof.report.chart import Axis, Drawing, Entry, Grid, Panel, drawing
-from sdr_spoof.report.chart.marks import SOLID, Dash, Note
-from sdr_spoof.report.chart.scale import Symlog
 from sdr_spoof.report.evidence import Line
 from sdr_spoof.report.figures import style, tracking_bar
 from sdr_spoof.report.figures.case import Case
-from sdr_spoof.report.figures.peaks import peak_panels, stretches
+from sdr_spoof.report.figures.peaks import draw_peaks, stretches
 from sdr_spoof.signals import signal_spec
 
 TEST_COLOURS = (style.INK, "#7b3294", "#00755a", "#8c6d1f", "#a6611a")
@@ -21,92 +23,113 @@ TEST_COLOURS = (style.INK, "#7b3294", "#00755a", "#8c6d1f", "#a6611a")
 SUSPICION = style.VERDICTS["suspect"]
 LEAST_CYCLES = 0.1
 """An axis of a phase difference reaches so far at least: what is noise must look like it."""
-BOUND, BOUND_DASH = "#00755a", (4, 2)
-QUIET, QUIET_OPACITY = "#009e73", 0.13
-"""What noise does."""
-DASHED: Dash = (3, 1)
 INNER_CYCLES = 0.25
 """Up to here the axis of a phase difference far beyond it is linear, then logarithmic."""
-DOTTED: Dash = (2, 2)
-Row = tuple[float, Panel]
-"""Height of a panel, and the panel."""
+QUIET: dict[str, Any] = {"color": "#009e73", "alpha": 0.13, "linewidth": 0}
 
 
-def draw_overview(case: Case) -> Drawing:
+Dash = tuple[int, tuple[int, ...]]
+Place = Literal["upper center", "outside upper center"]
+SOLID: Dash = (0, ())
+DASHED: Dash = (0, (3, 1))
+DOTTED: Dash = (0, (2, 2))
+Panel = tuple[float, Callable[[Axes, Case], None]]
+
+
+def draw_overview(case: Case) -> str:
     """Panels over time above, correlation peaks below."""
-    rows = [
-        (16.0 + 19.0 * len(case.tracks), tracking_bar.panel(case)),
-        *_tests(case),
-        (85.0, _cn0(case)),
-        (60.0, _noise(case)),
-    ]
-    for _, panel in rows:
-        _marks(panel, case)
-    return drawing(_over_time(rows, case), _peaks(case), legend=_legend(case))
+    panels = list(_panels(case))
+    bands = max(len(case.tracks), 1)
+    heights = [sum(h for h, _ in panels), 1.75]
+
+    def draw(figure: Figure) -> None:
+        top, bottom = figure.subfigures(2, 1, height_ratios=heights, squeeze=False)[:, 0]
+        axes = top.subplots(
+            len(panels), 1, sharex=True, height_ratios=[h for h, _ in panels], squeeze=False
+        )[:, 0]
+        for one, (_, fill) in zip(axes, panels, strict=True):
+            fill(one, case)
+            _marks(one, case)
+        axes[-1].set_xlim(0, case.log.duration_s)
+        axes[-1].set_xlabel("Time (s)")
+        top.align_ylabels(list(axes))
+        _legend(top, case)
+        _peaks(bottom, case, bands)
+
+    return style.render(draw, 10.0, sum(heights) + 0.9)
 
 
-def draw_quiet(case: Case) -> Drawing | None:
+def draw_quiet(case: Case) -> str | None:
     """A satellite without an alarm: what was tested, against its thresholds.
 
     None where nothing of that has been, as in a recording that was broken off early.
     """
-    rows = _tests(case)
-    return drawing(_over_time(rows, case), legend=_legend(case)) if rows else None
+    panels = [p for p in _panels(case) if p[1] not in (tracking_bar.draw, _cn0, _noise)]
+    if not panels:
+        return None
+    height = sum(h for h, _ in panels) + 0.9
+
+    def draw(figure: Figure) -> None:
+        places = {
+            **{"left": 0.085, "right": 0.992, "hspace": 0.32},
+            **{"bottom": 0.48 / height, "top": 1 - 0.58 / height},
+        }
+        axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False, gridspec_kw=places)[:, 0]
+        for one, (_, fill) in zip(axes, panels, strict=True):
+            fill(one, case)
+            one.yaxis.set_label_coords(-0.055, 0.5)
+        axes[-1].set_xlim(0, case.log.duration_s)
+        axes[-1].set_xlabel("Time (s)")
+        _legend(figure, case, "upper center")
+
+    return style.render(draw, 10.0, height, placed=True)
 
 
-def _over_time(rows: Sequence[Row], case: Case) -> Grid:
-    for _, panel in rows:
-        panel.x.low, panel.x.high = 0.0, case.log.duration_s
-    rows[-1][1].x.label = "Time (s)"
-    return Grid([[panel] for _, panel in rows], [height for height, _ in rows], share_x=True)
-
-
-def _tests(case: Case) -> list[Row]:
-    found: list[Row] = []
+def _panels(case: Case) -> list[Panel]:
+    found: list[Panel] = [(0.35 + 0.2 * len(case.tracks), tracking_bar.draw)]
     if case.evidence.difference.times_s:
-        found.append((112.0, _difference(case)))
+        found.append((1.45, _difference))
     if case.evidence.consistency:
-        found.append((100.0, _consistency(case)))
+        found.append((1.35, _consistency))
     for name, title in (("delta_metric", "Delta"), ("ratio_metric", "Ratio")):
         if any(of == name for of, _ in case.evidence.quality):
-            found.append((64.0, _quality(case, name, title)))
-    return found
+            found.append((0.85, _quality_panel(name, title)))
+    return [*found, (1.1, _cn0), (0.75, _noise)]
 
 
-def _difference(case: Case) -> Panel:
+def _difference(axes: Axes, case: Case) -> None:
     time_s, value = case.evidence.difference.joined()
     before = value[(time_s < case.onset_s) & np.isfinite(value)]
-    value = value - (float(np.median(before)) if before.size else 0.0)
-    panel = Panel(y=Axis("Phase difference\n(cycles)"))
-    panel.line(time_s, value, style.INK, 1.3)
-    low, high = float(np.nanmin(value, initial=0.0)), float(np.nanmax(value, initial=0.0))
-    size = max(-low, high)
-    if size < LEAST_CYCLES:
-        panel.y.low, panel.y.high = -LEAST_CYCLES, LEAST_CYCLES
-    elif size > 8 * INNER_CYCLES:  # the first disturbance must be seen too
-        panel.y.symlog = Symlog(INNER_CYCLES, 0.9)
-        ticks = [t for t in (INNER_CYCLES, 1, 10, 100, 1000) if t < 1.2 * size]
-        panel.y.ticks = [
-            *(-t for t in reversed(ticks) if -t > 1.2 * low),
-            0,
-            *(t for t in ticks if t < 1.2 * high),
-        ]
-        panel.y.names = [f"{t:g}".replace("-", "−") for t in panel.y.ticks]
-        panel.y.low, panel.y.high = 1.3 * low - 0.05, 1.3 * high + 0.05
-        _say_logarithmic(panel, rises=bool(np.nanmean(value) > 0.0))
-    return panel
+    level = float(np.median(before)) if before.size else 0.0
+    axes.plot(*style.thinned(time_s, value - level), color=style.INK, linewidth=1.0)
+    axes.set_ylabel("Phase difference\n(cycles)")
+    size = np.abs(value[np.isfinite(value)] - level)
+    if size.max(initial=0.0) < LEAST_CYCLES:
+        axes.set_ylim(-LEAST_CYCLES, LEAST_CYCLES)
+    elif size.max() > 8 * INNER_CYCLES:  # the first disturbance must be seen too
+        axes.set_yscale("symlog", linthresh=INNER_CYCLES, linscale=0.8)
+        ticks = [t for t in (INNER_CYCLES, 1, 10, 100, 1000) if t < 1.2 * size.max()]
+        low, high = np.nanmin(value - level), np.nanmax(value - level)
+        signed = [-t for t in reversed(ticks) if -t > 1.2 * low]
+        axes.set_yticks([*signed, 0, *(t for t in ticks if t < 1.2 * high)])
+        axes.yaxis.set_minor_locator(NullLocator())
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
+        rises = bool(np.nanmean(value - level) > 0.0)  # to the upper right: the note goes below
+        axes.text(
+            0.995,
+            0.04 if rises else 0.96,
+            f"logarithmic beyond ±{INNER_CYCLES:g}",
+            transform=axes.transAxes,
+            fontsize=8,
+            color=style.MUTED,
+            ha="right",
+            va="bottom" if rises else "top",
+        )
 
 
-def _say_logarithmic(panel: Panel, *, rises: bool) -> None:
-    """In the corner that the line stays out of."""
-    text = f"logarithmic beyond ±{INNER_CYCLES:g}"
-    at = 0.06 if rises else 0.9
-    panel.note(Note(0.995, at, text, style.MUTED, anchor="end", inside=True))
-
-
-def _consistency(case: Case) -> Panel:
-    panel = Panel(y=Axis("|Test| /\nthreshold", symlog=Symlog(1.0, 0.78)))
-    panel.shade(QUIET, QUIET_OPACITY, y=(0.0, 1.0))
+def _consistency(axes: Axes, case: Case) -> None:
+    axes.axhspan(0, 1, **QUIET)
+    axes.axhline(1, color="#00755a", linewidth=1.0, linestyle=(0, (4, 2)))
     peak, compared = 1.0, 0
     for line in case.evidence.consistency.values():
         if line.signal is None:
@@ -114,15 +137,25 @@ def _consistency(case: Case) -> Panel:
             compared += 1
         else:
             colour, dash = style.colour(line.signal), DASHED
-        time_s, value = line.joined()
-        panel.line(time_s, value, colour, dash=dash)
-        panel.entries.append(Entry(_name(line), colour, dash))
+        time_s, value = style.thinned(*line.joined())
+        axes.plot(time_s, value, color=colour, linestyle=dash, linewidth=1.2, label=_name(line))
         peak = max(peak, float(np.nanmax(value, initial=0.0)))
-    panel.level(1.0, BOUND, dash=BOUND_DASH)
+    axes.set_yscale("symlog", linthresh=1.0, linscale=0.7)
     top = max(1.6 * peak, 2.0)
-    panel.y.low, panel.y.high = 0.0, top
-    panel.y.ticks = [0, *(t for t in (1, 10, 100, 1000) if t < top)]
-    return panel
+    axes.set_ylim(0, top)
+    axes.set_yticks([0, *(t for t in (1, 10, 100, 1000) if t < top)])
+    axes.yaxis.set_minor_locator(NullLocator())
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
+    axes.set_ylabel("|Test| /\nthreshold")
+    axes.legend(
+        loc="lower left",
+        bbox_to_anchor=(0.0, 0.98),
+        borderaxespad=0.0,
+        fontsize=8,
+        ncols=max(compared + len(case.tracks), 1),
+        handlelength=1.6,
+        columnspacing=1.4,
+    )
 
 
 def _name(line: Line) -> str:
@@ -131,35 +164,36 @@ def _name(line: Line) -> str:
     return line.label.replace("_", " ") + of
 
 
-def _quality(case: Case, name: str, title: str) -> Panel:
-    panel = Panel(y=Axis(f"{title} /\nbound"))
-    panel.shade(QUIET, QUIET_OPACITY, y=(-1.0, 1.0))
-    peak = 1.0
-    for (of, signal), line in case.evidence.quality.items():
-        if of == name and signal is not None:
-            time_s, value = line.joined()
-            panel.line(time_s, value, style.colour(signal), 1.4)
-            peak = max(peak, float(np.nanmax(np.abs(value), initial=0.0)))
-    for bound in (-1.0, 1.0):
-        panel.level(bound, BOUND, dash=BOUND_DASH)
-    panel.y.low, panel.y.high = -1.25 * peak, 1.25 * peak
-    return panel
+def _quality_panel(name: str, title: str) -> Callable[[Axes, Case], None]:
+    def draw(axes: Axes, case: Case) -> None:
+        axes.axhspan(-1, 1, **QUIET)
+        for sign in (-1, 1):
+            axes.axhline(sign, color="#00755a", linewidth=1.0, linestyle=(0, (4, 2)))
+        peak = 1.0
+        for (of, signal), line in case.evidence.quality.items():
+            if of == name and signal is not None:
+                time_s, value = style.thinned(*line.joined())
+                axes.plot(time_s, value, color=style.colour(signal), linewidth=1.1)
+                peak = max(peak, float(np.nanmax(np.abs(value), initial=0.0)))
+        axes.set_ylim(-1.25 * peak, 1.25 * peak)
+        axes.set_ylabel(f"{title} /\nbound")
+
+    return draw
 
 
-def _held(track: SignalTrack, values: np.ndarray) -> np.ndarray:
-    return np.where(track.state >= State.TRACKING, values, np.nan)
+def _held(track: SignalTrack, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return style.thinned(track.time_s, np.where(track.state >= State.TRACKING, values, np.nan))
 
 
-def _cn0(case: Case) -> Panel:
-    panel = Panel(y=Axis("C/N0\n(dB-Hz)"))
+def _cn0(axes: Axes, case: Case) -> None:
     for track in case.tracks:
-        panel.line(track.time_s, _held(track, track.cn0_dbhz), style.colour(track.signal))
-    return panel
+        axes.plot(*_held(track, track.cn0_dbhz), color=style.colour(track.signal), linewidth=1.2)
+    axes.set_ylabel("C/N0\n(dB-Hz)")
 
 
-def _noise(case: Case) -> Panel:
+def _noise(axes: Axes, case: Case) -> None:
     """Noise power of each band over its median before the onset; no less than +-1 dB is shown."""
-    panel, size = Panel(y=Axis("Noise power\n(dB)")), 1.0
+    size = 1.0
     for track in case.tracks:
         known = (track.noise_power > 0.0) & (track.state >= State.TRACKING)
         before = track.noise_power[known & (track.time_s < case.onset_s)]
@@ -167,46 +201,56 @@ def _noise(case: Case) -> Panel:
             continue
         power = np.where(known, track.noise_power, np.nan) / np.median(before)
         value = 10.0 * np.log10(power)
-        panel.line(track.time_s, _held(track, value), style.colour(track.signal))
+        axes.plot(*_held(track, value), color=style.colour(track.signal), linewidth=1.2)
         size = max(size, float(np.nanmax(np.abs(value), initial=0.0)))
-    panel.y.low, panel.y.high = -1.1 * size, 1.1 * size
-    return panel
+    axes.set_ylim(-1.1 * size, 1.1 * size)
+    axes.set_ylabel("Noise power\n(dB)")
 
 
-def _marks(panel: Panel, case: Case) -> None:
-    panel.moment(case.onset_s, case.colour, 2.2)
-    panel.moment(case.alarm_s, case.colour, 1.8, DOTTED)
+def _marks(axes: Axes, case: Case) -> None:
+    axes.axvline(case.onset_s, color=case.colour, linewidth=1.6)
+    axes.axvline(case.alarm_s, color=case.colour, linewidth=1.3, linestyle=DOTTED)
     if case.suspicion_s is not None:
-        panel.moment(case.suspicion_s, SUSPICION, 1.8, DOTTED)
+        axes.axvline(case.suspicion_s, color=SUSPICION, linewidth=1.3, linestyle=DOTTED)
     for time_s, _, dash in case.truth.lines() if case.truth is not None else ():
-        panel.moment(time_s, style.TRUTH, 1.5, dash)
+        axes.axvline(time_s, color=style.TRUTH, linewidth=1.1, linestyle=dash)
 
 
-def _legend(case: Case) -> list[Entry]:
-    entries = [Entry(signal_spec(t.signal).composite, style.colour(t.signal)) for t in case.tracks]
+def _legend(figure: Figure | SubFigure, case: Case, place: Place = "outside upper center") -> None:
+    entries = [
+        (_sample(style.colour(t.signal)), signal_spec(t.signal).composite) for t in case.tracks
+    ]
     if case.satellite.alarms:
         entries += [
-            Entry(f"found: onset {case.onset_s:.2f} s", case.colour),
-            Entry(f"found: alarm {case.alarm_s:.2f} s", case.colour, DOTTED),
+            (_sample(case.colour), f"found: onset {case.onset_s:.2f} s"),
+            (_sample(case.colour, DOTTED), f"found: alarm {case.alarm_s:.2f} s"),
         ]
     if case.suspicion_s is not None:
-        entries.append(Entry(f"first suspicion {case.suspicion_s:.2f} s", SUSPICION, DOTTED))
+        entries.append((_sample(SUSPICION, DOTTED), f"first suspicion {case.suspicion_s:.2f} s"))
     for _, text, dash in case.truth.lines() if case.truth is not None else ():
-        entries.append(Entry(text, style.TRUTH, dash))
-    return entries
+        entries.append((_sample(style.TRUTH, dash), text))
+    handles, names = zip(*entries, strict=True)
+    figure.legend(
+        handles,
+        names,
+        loc=place,
+        ncols=5 if len(entries) <= 5 else 4,
+        handlelength=2.4,
+    )
 
 
-def _peaks(case: Case) -> Grid:
+def _sample(colour: str, dash: Dash = SOLID) -> Line2D:
+    return Line2D([], [], color=colour, linewidth=1.8, linestyle=dash)
+
+
+def _peaks(figure: SubFigure, case: Case, bands: int) -> None:
     last_s = max(a.alarm_s for a in case.satellite.alarms)
     parts = stretches(case.onset_s, last_s, case.log.duration_s)
-    panels = [
-        panel
-        for track in case.whole
-        for panel in peak_panels(track, parts, captured=track.signal == case.satellite.band)
-    ]
-    reach = max(abs(v) for p in panels for v in p.reach(0) if np.isfinite(v)) if panels else 0.5
-    for panel in panels:
-        panel.x.low, panel.x.high = -max(1.05 * reach, 0.55), max(1.05 * reach, 0.55)
-    panels[0].y.label = "Correlation peak\n(before = 1)"
-    caption = "Tap delay (chips, positive = late); grey: before"
-    return Grid([panels], [105.0], share_y=True, caption=caption)
+    axes = figure.subplots(1, len(parts) * bands, sharex=True, sharey=True, squeeze=False)[0]
+    for number, track in enumerate(case.whole):
+        mine = axes[number * len(parts) : (number + 1) * len(parts)]
+        draw_peaks(mine, track, parts, captured=track.signal == case.satellite.band)
+    reach = max(float(np.abs(axis.get_xlim()).max()) for axis in axes)
+    axes[0].set_xlim(-max(1.05 * reach, 0.55), max(1.05 * reach, 0.55))
+    axes[0].set_ylabel("Correlation peak\n(before = 1)")
+    figure.supxlabel("Tap delay (chips, positive = late); grey: before", fontsize=9)

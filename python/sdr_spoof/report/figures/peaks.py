@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MultipleLocator
 from numpy.typing import NDArray
 
 from sdr_spoof.records import SignalTrack, State
-from sdr_spoof.report.chart import Axis, Panel
-from sdr_spoof.report.chart.marks import Note
 from sdr_spoof.report.figures import style
 from sdr_spoof.signals import signal_spec
 
@@ -68,29 +68,27 @@ def peak(track: SignalTrack, stretch: Stretch) -> Peak | None:
     return Peak(offset[order], height[order])
 
 
-def peak_panels(track: SignalTrack, parts: Sequence[Stretch], *, captured: bool) -> list[Panel]:
+def draw_peaks(
+    panels: Sequence[Axes], track: SignalTrack, parts: Sequence[Stretch], *, captured: bool
+) -> None:
     """One panel per stretch, relative to the peak before, which stays in grey."""
     peaks = [peak(track, part) for part in parts]
     first = next((p for p in peaks if p is not None), None)
     scale = float(first.height.max()) if first is not None else 1.0
-    made = []
-    for part, found in zip(parts, peaks, strict=True):
-        span = f"{part.start_s:.1f}–{part.stop_s:.1f} s"
-        ticks = Axis(ticks=[-1.5, -1, -0.5, 0, 0.5, 1, 1.5])
-        panel = Panel(
-            f"{signal_spec(track.signal).composite} {part.name}\n{span}", ticks, light=True
-        )
+    name = signal_spec(track.signal).composite
+    for axes, part, found in zip(panels, parts, peaks, strict=True):
         if first is not None and found is not first:
-            _draw(panel, first, scale, "#b3bbc3")
+            axes.plot(first.offset_chips, first.height / scale, "o-", color="#b3bbc3", markersize=3)
         if found is not None:
-            late = captured and part.name == "after"
-            _draw(panel, found, scale, style.ALARM if late else style.colour(track.signal))
+            colour = (
+                style.ALARM if captured and part.name == "after" else style.colour(track.signal)
+            )
+            axes.plot(found.offset_chips, found.height / scale, "o-", color=colour, markersize=4)
         else:
-            panel.note(Note(0.5, 0.5, "not held", style.INK, anchor="middle", inside=True))
-        made.append(panel)
-    return made
-
-
-def _draw(panel: Panel, found: Peak, scale: float, colour: str) -> None:
-    panel.line(found.offset_chips, found.height / scale, colour)
-    panel.dots(found.offset_chips, found.height / scale, colour, 5.5)
+            axes.text(0.5, 0.5, "not held", ha="center", va="center", transform=axes.transAxes)
+        axes.xaxis.set_major_locator(MultipleLocator(0.5))
+        axes.set_title(
+            f"{name} {part.name}\n{part.start_s:.1f}–{part.stop_s:.1f} s",
+            fontsize=8.5,
+            fontweight="normal",
+        )

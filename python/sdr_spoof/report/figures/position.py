@@ -6,23 +6,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sdr_spoof.report.chart import Axis, Drawing, Entry, Grid, Panel, drawing
 from sdr_spoof.route import ALARM_COLOURS, Alarm, Quality
 
 from . import style
 from .sky_plot import LABELS
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from sdr_spoof.route import Route
 
 SEMI_MAJOR_M, FLATTENING = 6_378_137.0, 1 / 298.257223563
 """WGS-84."""
-
-
-COLUMNS = ("#0072b2", "#e08214", "#009e73")
-"""Colours of the kinds of DOP."""
 
 
 def local_m(route: Route) -> NDArray[np.float64]:
@@ -43,30 +40,37 @@ def local_m(route: Route) -> NDArray[np.float64]:
     return np.stack([east, north, place[:, 2] - middle[2]], axis=1)
 
 
-def draw_track(route: Route) -> Drawing:
+def draw_track(route: Route) -> str:
     """Map and scatter side by side; of a moving track about the mean of eleven fixes."""
-    local = local_m(route)
-    spread = local - _smooth(local)
-    made = []
-    titles = "Track, about its median", f"Scatter: {_rms(spread[:, :2])}"
-    for title, places in zip(titles, (local, spread), strict=True):
-        panel = Panel(title, Axis("East (m)"), Axis("North (m)"), equal=True)
-        if places is local:
-            panel.line(local[:, 0], local[:, 1], style.GRID, 1.8)
-        _dots(panel, route, places[:, 0], places[:, 1])
-        made.append(panel)
-    legend = [Entry(LABELS[alarm], ALARM_COLOURS[alarm], shape="dot") for alarm in Alarm]
-    legend.append(Entry("not to be trusted", style.INK, shape="cross"))
-    return drawing(Grid([made], [360.0]), legend=legend)
+
+    def draw(figure: Figure) -> None:
+        track, scatter = figure.subplots(1, 2)
+        local = local_m(route)
+        track.plot(local[:, 0], local[:, 1], color=style.GRID, zorder=1)
+        _dots(track, route, local[:, 0], local[:, 1])
+        track.set_title("Track, about its median")
+        spread = local - _smooth(local)
+        _dots(scatter, route, spread[:, 0], spread[:, 1])
+        scatter.set_title(f"Scatter: {_rms(spread[:, :2])}")
+        for axes in (track, scatter):
+            axes.set_aspect("equal", adjustable="datalim")
+            axes.set_xlabel("East (m)")
+            axes.set_ylabel("North (m)")
+        for alarm in Alarm:
+            track.plot([], [], "o", color=ALARM_COLOURS[alarm], label=LABELS[alarm])
+        track.plot([], [], "x", color=style.INK, label="not to be trusted")
+        track.legend(loc="best")
+
+    return style.render(draw, 10, 4.8)
 
 
-def _dots(panel: Panel, route: Route, x: NDArray[np.float64], y: NDArray[np.float64]) -> None:
+def _dots(axes: Axes, route: Route, x: NDArray[np.float64], y: NDArray[np.float64]) -> None:
     for alarm in Alarm:
         kept = np.flatnonzero(route.fixed & (route.alarm == alarm))
         kept = kept[:: -(-max(kept.size, 1) // style.MOST_POINTS)]
-        panel.dots(x[kept], y[kept], ALARM_COLOURS[alarm], 4.5)
+        axes.plot(x[kept], y[kept], ".", color=ALARM_COLOURS[alarm], markersize=6, zorder=2)
     doubt = route.quality == Quality.SUSPECT
-    panel.dots(x[doubt], y[doubt], style.INK, 8.0, "cross")
+    axes.plot(x[doubt], y[doubt], "x", color=style.INK, markersize=6, zorder=3)
 
 
 def _smooth(values: NDArray[np.float64], count: int = 10) -> NDArray[np.float64]:
@@ -94,48 +98,45 @@ def _rms(values: NDArray[np.float64]) -> str:
     return f"{np.sqrt((known**2).sum(axis=1).mean()):.2g} m RMS"
 
 
-def draw_geometry(route: Route) -> Drawing:
+def draw_geometry(route: Route) -> str:
     """Height, DOP, satellites used, and residuals over time."""
-    time = route.sample_time_s
-    height = Panel(y=Axis("Up (m)"))
-    _dots(height, route, time, local_m(route)[:, 2])
-    dop = Panel(y=Axis("DOP", low=0.0))
-    for column, label in enumerate(("position", "horizontal", "vertical")):
-        dop.line(time, route.dop[:, column], COLUMNS[column])
-        dop.entries.append(Entry(label, COLUMNS[column]))
-    used = np.sum([s.used for s in route.satellites], axis=0) if route.satellites else 0 * time
-    most = max(float(np.max(used, initial=0)) + 1, 4)
-    count = Panel(y=Axis("Satellites\nused", 0.0, most))
-    count.line(*_steps(time, np.asarray(used, dtype=np.float64)), style.MUTED)
-    residual = _residuals(route)
-    residual.x.label = "Time (s)"
-    panels = [height, dop, count, residual]
-    heights = [115.0, 95.0, 70.0, 140.0]
-    return drawing(Grid([[panel] for panel in panels], heights, share_x=True))
+
+    def draw(figure: Figure) -> None:
+        height, dop, residual = figure.subplots(3, 1, sharex=True)
+        time = route.sample_time_s
+        _dots(height, route, time, local_m(route)[:, 2])
+        height.set_ylabel("Up (m)")
+        for column, label in enumerate(("position", "horizontal", "vertical")):
+            dop.plot(*style.thinned(time, route.dop[:, column]), label=label)
+        dop.set_ylabel("DOP")
+        dop.set_ylim(bottom=0)
+        used = np.sum([s.used for s in route.satellites], axis=0) if route.satellites else 0 * time
+        count = dop.twinx()
+        count.step(time, used, where="mid", color=style.MUTED, linewidth=1, label="satellites")
+        count.set_ylabel("satellites used")
+        count.set_ylim(0, max(float(np.max(used, initial=0)) + 1, 4))
+        count.grid(False)
+        count.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0))
+        dop.legend(loc="lower left", ncols=3, bbox_to_anchor=(0.0, 1.0))
+        _residuals(residual, route)
+        residual.set_xlabel("Time (s)")
+
+    return style.render(draw, 10, 6.4)
 
 
-def _steps(
-    time_s: NDArray[np.float64], values: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """A value holds half way to those beside it."""
-    if time_s.size < 2:
-        return time_s, values
-    middle = 0.5 * (time_s[1:] + time_s[:-1])
-    edges = np.concatenate([time_s[:1], np.repeat(middle, 2), time_s[-1:]])
-    return edges, np.repeat(values, 2)
-
-
-def _residuals(route: Route) -> Panel:
+def _residuals(axes: Axes, route: Route) -> None:
     """Of every satellite, in the colour of the signal; thick where it is spoofed."""
-    panel, time = Panel(y=Axis("Residual (m)")), route.sample_time_s
-    named: dict[str, Entry] = {}
+    time, named = route.sample_time_s, set()
     for satellite in route.satellites:
         for signal, values in satellite.residual_m.items():
-            colour = style.colour(signal)
-            named.setdefault(signal, Entry(signal, colour))
-            panel.line(time, values, colour, 1.5, opacity=0.6)
+            label = signal if signal not in named else None
+            named.add(signal)
+            axes.plot(
+                *style.thinned(time, values), color=style.colour(signal), label=label, alpha=0.6
+            )
             bad = np.where(satellite.alarm == Alarm.SPOOFED, values, np.nan)
             if np.isfinite(bad).any():
-                panel.line(time, bad, style.ALARM, 2.6)
-    panel.entries.extend(named.values())
-    return panel
+                axes.plot(*style.thinned(time, bad), color=style.ALARM, linewidth=2)
+    axes.set_ylabel("Residual (m)")
+    if named:
+        axes.legend(loc="lower left", ncols=6, bbox_to_anchor=(0.0, 1.0))

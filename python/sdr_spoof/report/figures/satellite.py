@@ -5,65 +5,65 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from sdr_spoof import _core
 from sdr_spoof.records import SignalTrack, State
-from sdr_spoof.report.chart import Axis, Drawing, Entry, Grid, Panel, drawing
 from sdr_spoof.report.figures import style
 
+PLACES = {
+    **{"left": 0.07, "right": 0.992, "bottom": 0.095, "top": 0.9},
+    **{"wspace": 0.3, "hspace": 0.42},
+}
+"""Of the small multiples: this picture is drawn for every satellite, so it is not arranged anew."""
 C_M_S = 299_792_458.0
 SAMPLED_EPOCHS = 1 << 16
 """Of a longer track, 11 minutes of 10 ms, every n-th epoch is enough for a picture."""
 
 
-def draw_satellite(
-    tracks: Sequence[SignalTrack], onset_s: float | None, duration_s: float
-) -> Drawing:
+def draw_satellite(tracks: Sequence[SignalTrack], onset_s: float | None, duration_s: float) -> str:
     """Small multiples over all signals of one satellite; ``onset_s`` splits before and after."""
-    panels = _panels(onset_s, duration_s)
-    middle = onset_s if onset_s is not None else duration_s / 2.0
-    shown = [track.sampled(SAMPLED_EPOCHS) for track in tracks]
-    course = _reference_course(shown, middle)
-    legend = []
-    for track in shown:
-        held = track.state >= State.TRACKING
-        if np.count_nonzero(held) < 10:
-            continue
-        colour, time = style.colour(track.signal), track.time_s
-        courses = (
-            doppler_residual_hz(track, course),
-            code_minus_carrier_m(track, held),
-            track.phase_lock,
-            track.cn0_dbhz,
-        )
-        for panel, values in zip(panels[:4], courses, strict=True):
-            panel.line(time, np.where(held, values, np.nan), colour, 1.2, opacity=0.9)
-        _shape(panels[4], track, held & (time < middle), colour)
-        _shape(panels[5], track, held & (time >= middle), colour)
-        legend.append(Entry(track.signal, colour))
-    return drawing(Grid([panels[:3], panels[3:]], heights=[155.0, 155.0]), legend=legend)
+
+    def draw(figure: Figure) -> None:
+        panels = figure.subplots(2, 3, gridspec_kw=PLACES).ravel()
+        middle = onset_s if onset_s is not None else duration_s / 2.0
+        shown = [track.sampled(SAMPLED_EPOCHS) for track in tracks]
+        course = _reference_course(shown, middle)
+        for track in shown:
+            held = track.state >= State.TRACKING
+            if np.count_nonzero(held) < 10:
+                continue
+            colour = style.colour(track.signal)
+            time = track.time_s
+            _line(panels[0], time, doppler_residual_hz(track, course), held, colour, track.signal)
+            _line(panels[1], time, code_minus_carrier_m(track, held), held, colour, track.signal)
+            _line(panels[2], time, track.phase_lock, held, colour, track.signal)
+            _line(panels[3], time, track.cn0_dbhz, held, colour, track.signal)
+            for axes, part in (
+                (panels[4], held & (time < middle)),
+                (panels[5], held & (time >= middle)),
+            ):
+                _shape(axes, track, part, colour)
+        _dress(panels, onset_s, duration_s)
+        handles, names = panels[0].get_legend_handles_labels()
+        if handles:
+            figure.legend(handles, names, loc="upper right", ncols=4, borderaxespad=0.2)
+
+    return style.render(draw, 10.0, 5.0, placed=True)
 
 
-def _panels(onset_s: float | None, duration_s: float) -> list[Panel]:
-    before, after = (
-        ("before the onset", "after the onset") if onset_s is not None else ("1st half", "2nd half")
-    )
-    courses = (
-        ("Doppler off the common course", Axis("Hz")),
-        ("Code minus carrier", Axis("m")),
-        ("Phase lock, 1 = locked", Axis("mean cos(2φ)", -0.25, 1.1)),
-        ("Signal strength", Axis("C/N0 (dB-Hz)")),
-    )
-    panels = [Panel(title, Axis("Time (s)", 0.0, duration_s), y) for title, y in courses]
-    if onset_s is not None:
-        for panel in panels:
-            panel.moment(onset_s, style.ALARM, 1.8)
-    delay = "Tap delay (m, positive = late)"
-    return panels + [
-        Panel(f"Correlation, {part}", Axis(delay), Axis("Relative to prompt", -0.6, 1.1))
-        for part in (before, after)
-    ]
+def _line(
+    axes: Axes,
+    time: NDArray[np.float64],
+    values: NDArray[np.float64],
+    held: NDArray[np.bool_],
+    colour: str,
+    name: str,
+) -> None:
+    shown = style.thinned(time, np.where(held, values, np.nan))
+    axes.plot(*shown, color=colour, linewidth=0.9, label=name, alpha=0.9)
 
 
 def _reference_course(tracks: Sequence[SignalTrack], until_s: float) -> NDArray[np.float64]:
@@ -102,7 +102,7 @@ def correlation_shape(track: SignalTrack, part: NDArray[np.bool_]) -> NDArray[np
     return np.asarray(turned / max(float(turned[track.prompt_tap]), 1e-30))
 
 
-def _shape(panel: Panel, track: SignalTrack, part: NDArray[np.bool_], colour: str) -> None:
+def _shape(axes: Axes, track: SignalTrack, part: NDArray[np.bool_], colour: str) -> None:
     if np.count_nonzero(part) < 10:
         return
     offset_m = track.tap_offsets_s * C_M_S
@@ -110,5 +110,30 @@ def _shape(panel: Panel, track: SignalTrack, part: NDArray[np.bool_], colour: st
     chip_m = C_M_S / _core.signal_spec(track.signal)["chip_rate_hz"]
     order = order[np.abs(offset_m[order]) < 1.5 * chip_m]  # taps further out measure noise
     shape = correlation_shape(track, part)
-    panel.line(offset_m[order], shape[order], colour)
-    panel.dots(offset_m[order], shape[order], colour, 5.5)
+    axes.plot(offset_m[order], shape[order], "o-", color=colour, markersize=4)
+
+
+def _dress(panels: Sequence[Axes], onset_s: float | None, duration_s: float) -> None:
+    before, after = (
+        ("before the onset", "after the onset") if onset_s is not None else ("1st half", "2nd half")
+    )
+    titles = (
+        ("Doppler off the common course", "Hz"),
+        ("Code minus carrier", "m"),
+        ("Phase lock, 1 = locked", "mean cos(2φ)"),
+        ("Signal strength", "C/N0 (dB-Hz)"),
+        (f"Correlation, {before}", "Relative to prompt"),
+        (f"Correlation, {after}", "Relative to prompt"),
+    )
+    for axes, (title, unit) in zip(panels, titles, strict=True):
+        axes.set_title(title)
+        axes.set_ylabel(unit)
+    for axes in panels[:4]:
+        axes.set_xlim(0, duration_s)
+        axes.set_xlabel("Time (s)")
+        if onset_s is not None:
+            axes.axvline(onset_s, color=style.ALARM, linewidth=1.4)
+    panels[2].set_ylim(-0.25, 1.1)
+    for axes in panels[4:]:
+        axes.set_xlabel("Tap delay (m, positive = late)")
+        axes.set_ylim(-0.6, 1.1)

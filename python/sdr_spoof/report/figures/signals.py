@@ -5,96 +5,96 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from sdr_spoof.records import Acquisition, SignalTrack, State, TrackLog
-from sdr_spoof.report.chart import Axis, Drawing, Entry, Grid, Panel, drawing
-from sdr_spoof.report.chart.marks import Note
-from sdr_spoof.report.chart.scale import stretch
 from sdr_spoof.report.figures import style
 from sdr_spoof.report.figures.satellite import SAMPLED_EPOCHS
 from sdr_spoof.report.words import satellite_name
 from sdr_spoof.signals import system_of
 
 
-def draw_acquisition(acquisitions: Sequence[Acquisition]) -> Drawing:
+def draw_acquisition(acquisitions: Sequence[Acquisition]) -> str:
     """Bars of C/N0 and marks of Doppler per satellite and signal; detected ones only."""
     found = [a for a in acquisitions if a.detected]
     satellites = sorted({(system_of(a.signal), a.prn) for a in found})
     signals = list(dict.fromkeys(a.signal for a in found))
-    strength, doppler = _bar_panels(satellites)
-    lowest = min((a.cn0_dbhz for a in found), default=30.0)
-    strength.y.low = min(30.0, lowest - 3.0)
     width = 0.8 / max(len(signals), 1)
-    for number, signal in enumerate(signals):
-        colour = style.colour(signal)
-        for a in (a for a in found if a.signal == signal):
-            at = satellites.index((system_of(signal), a.prn))
-            at_x = at + (number - (len(signals) - 1) / 2) * width
-            half = 0.46 * width
-            strength.bar((at_x - half, at_x + half), (strength.y.low, a.cn0_dbhz), colour)
-            stem = np.array([0.0, a.doppler_hz])
-            doppler.line(np.full(2, at_x), stem, colour, 2.0)
-            doppler.dots([at_x], [a.doppler_hz], colour, 7.0)
-    legend = [Entry(signal, style.colour(signal)) for signal in signals]
-    return drawing(Grid([[strength, doppler]], [190.0]), legend=legend)
+
+    def draw(figure: Figure) -> None:
+        strength, doppler = figure.subplots(1, 2)
+        for number, signal in enumerate(signals):
+            rows = [a for a in found if a.signal == signal]
+            at = np.array([satellites.index((system_of(a.signal), a.prn)) for a in rows])
+            at = at + (number - (len(signals) - 1) / 2) * width
+            colour = style.colour(signal)
+            strength.bar(at, [a.cn0_dbhz for a in rows], width * 0.92, color=colour, label=signal)
+            doppler.vlines(at, 0, [a.doppler_hz for a in rows], color=colour, linewidth=1.5)
+            doppler.plot(at, [a.doppler_hz for a in rows], "o", color=colour, markersize=5)
+        for axes in (strength, doppler):
+            axes.set_xticks(range(len(satellites)), [satellite_name(*s) for s in satellites])
+            axes.grid(visible=False, axis="x")
+            if len(satellites) > 12:
+                axes.tick_params(axis="x", rotation=90)
+        lowest = min((a.cn0_dbhz for a in found), default=30.0)
+        strength.set_ylim(min(30.0, lowest - 3.0), None)
+        strength.set_ylabel("C/N0 (dB-Hz)")
+        strength.set_title("Signal strength at acquisition")
+        doppler.axhline(0, color=style.MUTED, linewidth=0.8)
+        doppler.set_ylabel("Doppler (Hz)")
+        doppler.set_title("Doppler at acquisition")
+        if signals:
+            figure.legend(*strength.get_legend_handles_labels(), loc="outside upper right", ncols=4)
+
+    return style.render(draw, 10.0, 3.3)
 
 
-def _bar_panels(satellites: Sequence[tuple[str, int]]) -> tuple[Panel, Panel]:
-    def axis() -> Axis:
-        names = [satellite_name(*s) for s in satellites]
-        ends = -0.6, max(len(satellites), 1) - 0.4
-        places = range(len(satellites))
-        return Axis("", *ends, ticks=places, names=names, grid=False, turned=len(satellites) > 12)
-
-    strength = Panel("Signal strength at acquisition", axis(), Axis("C/N0 (dB-Hz)"))
-    doppler = Panel("Doppler at acquisition", axis(), Axis("Doppler (Hz)"))
-    doppler.level(0.0, style.MUTED, 1.0)
-    return strength, doppler
-
-
-def draw_cn0(log: TrackLog, verdicts: Mapping[tuple[str, int], str]) -> Drawing:
+def draw_cn0(log: TrackLog, verdicts: Mapping[tuple[str, int], str]) -> str:
     """C/N0 over time, one panel per signal; red: spoofed, amber: suspect, grey: all others."""
-    panels = []
-    for signal in dict.fromkeys(t.signal for t in log.signals):
-        panel = Panel(signal, Axis("Time (s)", 0.0, log.duration_s * 1.06))
-        ends = []
-        for track in (t for t in log.signals if t.signal == signal):
-            colour = style.VERDICTS.get(verdicts.get((system_of(signal), track.prn), ""))
-            end = _cn0_line(panel, track, colour or "#a9b2bb", colour is not None)
-            if end is not None:
-                ends.append((end, _name(track), colour or style.MUTED))
-        panels.append((panel, ends))
-    low, high = _limits([panel for panel, _ in panels])
-    for panel, ends in panels:
-        panel.y.low, panel.y.high = low, high
-        _name_lines(panel, ends, log.duration_s)
-    panels[0][0].y.label = "C/N0 (dB-Hz)"
-    return drawing(Grid([[panel for panel, _ in panels]], [230.0], share_y=True))
+    signals = list(dict.fromkeys(t.signal for t in log.signals))
+
+    def draw(figure: Figure) -> None:
+        panels = figure.subplots(1, max(len(signals), 1), sharey=True, squeeze=False)[0]
+        names: list[list[tuple[float, str, str]]] = []
+        for axes, signal in zip(panels, signals, strict=False):
+            tracks = [t for t in log.signals if t.signal == signal]
+            ends = []
+            for track in tracks:
+                colour = style.VERDICTS.get(verdicts.get((system_of(signal), track.prn), ""))
+                end = _cn0_line(axes, track, colour or "#a9b2bb", colour is not None)
+                if end is not None:
+                    name = satellite_name(system_of(signal), track.prn)
+                    ends.append((end, name, colour or style.MUTED))
+            names.append(ends)
+            axes.set_title(signal)
+            axes.set_xlabel("Time (s)")
+            axes.set_xlim(0, log.duration_s * 1.06)
+        panels[0].set_ylabel("C/N0 (dB-Hz)")
+        for axes, ends in zip(panels, names, strict=False):  # after all lines: one common scale
+            _name_lines(axes, ends, log.duration_s)
+
+    return style.render(draw, 10.0, 3.2)
 
 
-def _name(track: SignalTrack) -> str:
-    return satellite_name(system_of(track.signal), track.prn)
-
-
-def _limits(panels: Sequence[Panel]) -> tuple[float, float]:
-    reaches = [panel.reach(1) for panel in panels]
-    return stretch(min(low for low, _ in reaches), max(high for _, high in reaches), 0.05)
-
-
-def _cn0_line(panel: Panel, track: SignalTrack, colour: str, emphasised: bool) -> float | None:
+def _cn0_line(axes: Axes, track: SignalTrack, colour: str, emphasised: bool) -> float | None:
     """Draws a track; returns the C/N0 at which it ends, None if it was never held."""
     track = track.sampled(SAMPLED_EPOCHS)
     held, cn0 = track.state >= State.TRACKING, track.cn0_dbhz
     if not held.any():
         return None
-    values = np.where(held, cn0, np.nan)
-    panel.line(track.time_s, values, colour, 2.4 if emphasised else 1.3)
+    axes.plot(
+        *style.thinned(track.time_s, np.where(held, cn0, np.nan)),
+        color=colour,
+        linewidth=1.8 if emphasised else 1.0,
+        zorder=3 if emphasised else 2,
+    )
     return float(np.median(cn0[held][-200:]))
 
 
-def _name_lines(panel: Panel, ends: list[tuple[float, str, str]], time_s: float) -> None:
+def _name_lines(axes: Axes, ends: list[tuple[float, str, str]], time_s: float) -> None:
     """Writes names at the right end of the lines, moved apart so that none overlap."""
-    low, high = panel.y.low or 0.0, panel.y.high or 1.0
+    low, high = axes.get_ylim()
     ends = sorted(ends)
     spacing = min(0.055, 1.0 / max(len(ends), 1)) * (high - low)
     places = [cn0 for cn0, _, _ in ends]
@@ -104,6 +104,6 @@ def _name_lines(panel: Panel, ends: list[tuple[float, str, str]], time_s: float)
     for i in reversed(range(len(places))):  # push back down what stands out at the top
         places[i] = min(places[i], room)
         room = places[i] - spacing
-    size = 11.0 if len(ends) <= 18 else 9.0
+    size = 8 if len(ends) <= 18 else 6.5
     for at, (_, name, colour) in zip(places, ends, strict=True):
-        panel.note(Note(time_s, at, name, colour, size, shift=(4.0, 4.0)))
+        axes.text(time_s, at, f" {name}", va="center", fontsize=size, color=colour)

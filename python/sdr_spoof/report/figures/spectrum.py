@@ -5,34 +5,50 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from sdr_spoof import _core
-from sdr_spoof.report.chart import Axis, Drawing, Grid, Panel, drawing
-from sdr_spoof.report.chart.marks import Note
 from sdr_spoof.report.figures import style
 from sdr_spoof.report.spectrum import Spectrum
 
 
-def draw_spectrum(spectrum: Spectrum, signals: Sequence[str]) -> Drawing:
-    """Bands of ``signals`` are shaded around their carriers."""
-    rf_mhz = spectrum.rf_hz / 1e6
-    top = float(np.max(spectrum.density_db))
-    bottom = float(np.percentile(spectrum.density_db, 1))
-    room = max(top - bottom, 3.0)
-    panel = Panel(
-        x=Axis("Radio frequency (MHz)", float(rf_mhz[0]), float(rf_mhz[-1])),
-        y=Axis("Power density\n(dB re 1 LSB²/Hz)", bottom - 0.15 * room, top + 0.3 * room),
-    )
-    panel.line(rf_mhz, spectrum.density_db, style.INK, 1.0)
-    for carrier_hz, name, half_hz, colour in _bands(signals):
-        centre, half = carrier_hz / 1e6, half_hz / 1e6
-        panel.shade(colour, 0.18, x=(centre - half, centre + half))
-        panel.moment(centre, colour, 1.4)
-        at = float((centre - rf_mhz[0]) / (rf_mhz[-1] - rf_mhz[0]))
-        for number, line in enumerate((name, f"{centre:.7g}")):
-            low = 14.0 + 15.0 * number
-            panel.note(Note(at, 1.0, line, colour, 12.0, "start", True, True, (6.0, low)))
-    return drawing(Grid([[panel]], [205.0]))
+def draw_spectrum(spectrum: Spectrum, signals: Sequence[str]) -> str:
+    """PNG data URI; bands of ``signals`` are shaded around their carriers."""
+
+    def draw(figure: Figure) -> None:
+        axes = figure.subplots()
+        rf_mhz = spectrum.rf_hz / 1e6
+        axes.plot(rf_mhz, spectrum.density_db, color=style.INK, linewidth=0.7)
+        top = float(np.max(spectrum.density_db))
+        bottom = float(np.percentile(spectrum.density_db, 1))
+        room = max(top - bottom, 3.0)
+        axes.set_ylim(bottom - 0.15 * room, top + 0.3 * room)
+        axes.set_xlim(float(rf_mhz[0]), float(rf_mhz[-1]))
+        for carrier_hz, name, half_hz, colour in _bands(signals):
+            centre = carrier_hz / 1e6
+            axes.axvspan(
+                centre - half_hz / 1e6,
+                centre + half_hz / 1e6,
+                color=colour,
+                alpha=0.18,
+                linewidth=0,
+            )
+            axes.axvline(centre, color=colour, linewidth=1.0)
+            axes.annotate(
+                f"{name}\n{centre:.7g}",
+                (centre, 1.0),
+                xycoords=("data", "axes fraction"),
+                xytext=(4, -4),
+                textcoords="offset points",
+                va="top",
+                color=colour,
+                fontweight="bold",
+                fontsize=9,
+            )
+        axes.set_xlabel("Radio frequency (MHz)")
+        axes.set_ylabel("Power density\n(dB re 1 LSB²/Hz)")
+
+    return style.render(draw, 10.0, 3.0)
 
 
 def _bands(signals: Sequence[str]) -> list[tuple[float, str, float, str]]:

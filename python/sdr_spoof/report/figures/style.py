@@ -1,7 +1,4 @@
-"""One look for all figures: a colour-blind safe palette, and PNG where a chart is not enough.
-
-The report draws charts (:mod:`sdr_spoof.report.chart`); studies and campaigns take Matplotlib.
-"""
+"""One look for all figures: colour-blind safe palette, readable type, PNG bytes out."""
 
 from __future__ import annotations
 
@@ -10,14 +7,15 @@ import gc
 import io
 from typing import TYPE_CHECKING
 
-from sdr_spoof.report.chart.thin import MOST_POINTS, thinned
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from matplotlib.figure import Figure
-
-__all__ = ["MOST_POINTS", "colour", "png", "render", "thinned"]
+    from numpy.typing import NDArray
 
 INK = "#1d2733"
 MUTED = "#66727f"
@@ -35,6 +33,9 @@ BAND_COLOURS = {
     "E5BQ": "#d55e00",
 }
 """Okabe-Ito hues; a signal keeps its colour in every figure."""
+
+MOST_POINTS = 4000
+"""Points of a line; a picture is 1400 pixels wide."""
 
 RC: Mapping[str, object] = {
     "font.family": "DejaVu Sans",
@@ -70,14 +71,18 @@ def colour(signal: str) -> str:
     return BAND_COLOURS.get(signal, MUTED)
 
 
-def png(draw: Callable[[Figure], None], width_in: float, height_in: float) -> bytes:
-    """Draws one figure and returns it as PNG; the same input gives the same bytes."""
-    from matplotlib import rc_context  # noqa: PLC0415 - slow to import, and not for the report
-    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
-    from matplotlib.figure import Figure  # noqa: PLC0415
+def png(
+    draw: Callable[[Figure], None], width_in: float, height_in: float, *, placed: bool = False
+) -> bytes:
+    """Draws one figure and returns it as PNG; the same input gives the same bytes.
 
+    ``placed``: ``draw`` says where axes and legends stand. Otherwise they are arranged so that
+    nothing overlaps, for which everything is measured and drawn twice.
+    """
     with rc_context(RC):  # type: ignore[arg-type]
-        figure = Figure(figsize=(width_in, height_in), dpi=140, layout="constrained")
+        figure = Figure(figsize=(width_in, height_in), dpi=140)
+        if not placed:
+            figure.set_layout_engine("constrained")
         FigureCanvasAgg(figure)
         draw(figure)
         buffer = io.BytesIO()
@@ -87,7 +92,30 @@ def png(draw: Callable[[Figure], None], width_in: float, height_in: float) -> by
     return buffer.getvalue()
 
 
-def render(draw: Callable[[Figure], None], width_in: float, height_in: float) -> str:
-    """Draws one figure and returns it as a data URI; the same input gives the same bytes."""
-    content = png(draw, width_in, height_in)
+def render(
+    draw: Callable[[Figure], None], width_in: float, height_in: float, *, placed: bool = False
+) -> str:
+    """Draws one figure and returns it as a data URI, as :func:`png` does."""
+    content = png(draw, width_in, height_in, placed=placed)
     return "data:image/png;base64," + base64.b64encode(content).decode("ascii")
+
+
+def thinned(
+    time_s: NDArray[np.float64], values: NDArray[np.float64], most: int = MOST_POINTS
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Fewer points whose line looks the same: the lowest and highest of equal runs of rows.
+
+    A run in which a value is NaN keeps one, so that the line breaks there. Lines of no more than
+    ``most`` points stay as they are.
+    """
+    if time_s.size <= most:
+        return time_s, values
+    run = -(-2 * time_s.size // most)
+    starts = np.arange(0, time_s.size, run)
+    runs = np.pad(values, (0, starts.size * run - time_s.size), "edge").reshape(-1, run)
+    gaps = np.isnan(runs)
+    lowest = np.where(gaps, np.inf, runs).argmin(axis=1)
+    highest = np.where(gaps, -np.inf, runs).argmax(axis=1)
+    gap = np.where(gaps.any(axis=1), gaps.argmax(axis=1), lowest)
+    rows = np.unique(np.minimum(starts + np.array([lowest, highest, gap]), time_s.size - 1))
+    return time_s[rows], values[rows]

@@ -5,12 +5,11 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from sdr_spoof.fusion import SPOOFED
 from sdr_spoof.records import SignalTrack, State
-from sdr_spoof.report.chart import Axis, Panel
-from sdr_spoof.report.chart.marks import Note
 from sdr_spoof.report.figures import style
 from sdr_spoof.report.figures.case import Case
 from sdr_spoof.signals import signal_spec
@@ -23,36 +22,42 @@ LEAST_PART = 0.14
 """Shortest stretch that is named, of the whole recording."""
 
 
-def panel(case: Case) -> Panel:
+def draw(axes: Axes, case: Case) -> None:
     """A bar per signal, and in it what became of the band, or what the verdict says of it."""
-    rows = range(len(case.tracks))
-    bands = [signal_spec(t.signal).composite for t in case.tracks]
-    made = Panel(
-        x=Axis(grid=False),
-        y=Axis("Tracked", -0.6, len(rows) - 0.4, ticks=rows, names=bands, grid=False),
-    )
     for row, track in enumerate(case.tracks):
         for kind, start_s, stop_s in stretches(track):
             colour = style.ALARM if kind == ISOLATED else style.colour(track.signal)
-            _bar(made, row, (start_s, stop_s), colour, SHADES[kind])
+            _bar(axes, row, (start_s, stop_s), colour, SHADES[kind])
             named_until_s = min(stop_s, case.onset_s)
             if named_until_s - start_s > LEAST_PART * case.log.duration_s:
-                _text(made, row, start_s, NAMES[kind], on_pale=kind == ALONE)
+                _text(axes, row, start_s, NAMES[kind], on_pale=kind == ALONE)
         if case.satellite.verdict == SPOOFED:
-            _fallback(made, case, track, row)
-    return made
+            _fallback(axes, case, track, row)
+    axes.set_yticks(range(len(case.tracks)), [signal_spec(t.signal).composite for t in case.tracks])
+    axes.set_ylim(-0.6, len(case.tracks) - 0.4)
+    axes.grid(visible=False)
+    axes.set_ylabel("Tracked")
 
 
-def _bar(panel: Panel, row: int, part_s: tuple[float, float], colour: str, opacity: float) -> None:
-    panel.bar(part_s, (row - 0.36, row + 0.36), colour, opacity)
+def _bar(axes: Axes, row: int, part_s: tuple[float, float], colour: str, alpha: float) -> None:
+    start_s, stop_s = part_s
+    axes.barh(row, stop_s - start_s, 0.72, start_s, color=colour, alpha=alpha, linewidth=0)
 
 
-def _text(panel: Panel, row: int, at_s: float, text: str, *, on_pale: bool) -> None:
-    colour = style.INK if on_pale else "white"
-    panel.note(Note(at_s, row, text, colour, bold=True, shift=(4.0, 4.0)))
+def _text(axes: Axes, row: int, at_s: float, text: str, *, on_pale: bool) -> None:
+    axes.text(
+        at_s,
+        row,
+        f" {text}",
+        va="center",
+        fontsize=8,
+        fontweight="bold",
+        color=style.INK if on_pale else "white",
+        zorder=6,
+    )
 
 
-def _fallback(panel: Panel, case: Case, track: SignalTrack, row: int) -> None:
+def _fallback(axes: Axes, case: Case, track: SignalTrack, row: int) -> None:
     """Where tracking isolated a band, that; otherwise the verdict's advice from the alarm on."""
     satellite = case.satellite
     isolated = {t.signal: isolated_s(t) for t in case.tracks}
@@ -60,15 +65,15 @@ def _fallback(panel: Panel, case: Case, track: SignalTrack, row: int) -> None:
     if from_s is not None:
         mine_s = isolated[track.signal]
         text = f"isolated as captured at {mine_s:.2f} s" if mine_s else "fallback: goes on alone"
-        _text(panel, row, mine_s or from_s, text, on_pale=mine_s is None)
+        _text(axes, row, mine_s or from_s, text, on_pale=mine_s is None)
     elif track.signal == satellite.band:
-        _bar(panel, row, (case.alarm_s, case.log.duration_s), style.ALARM, 1.0)
-        _text(panel, row, case.alarm_s, "verdict: captured, do not use it", on_pale=False)
+        _bar(axes, row, (case.alarm_s, case.log.duration_s), style.ALARM, 1.0)
+        _text(axes, row, case.alarm_s, "verdict: captured, do not use it", on_pale=False)
     elif track.signal == satellite.fallback:
         parted_s = fell_back(track, case.onset_s)
         parted = f" (parted at {parted_s:.2f} s)" if parted_s is not None else ""
         text = f"verdict: fall back to this band alone{parted}"
-        _text(panel, row, case.alarm_s, text, on_pale=parted_s is not None)
+        _text(axes, row, case.alarm_s, text, on_pale=parted_s is not None)
 
 
 def isolated_s(track: SignalTrack) -> float | None:

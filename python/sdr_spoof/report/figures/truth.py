@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sdr_spoof.report.chart.marks import Dash
-
 
 @dataclass(frozen=True)
 class TruthMark:
@@ -24,12 +22,12 @@ class TruthMark:
         """Whether it is about this satellite."""
         return self.prn in (None, prn) and self.system == system
 
-    def lines(self) -> list[tuple[float, str, Dash]]:
+    def lines(self) -> list[tuple[float, str, tuple[int, tuple[int, ...]]]]:
         """(time, what happens, line style)."""
         steps = (
-            (self.start_s, "spoofer on the air", (1, 2)),
-            (self.capture_s, "as strong as the satellite", (5, 3)),
-            (self.drag_start_s, "drags", (9, 2, 2, 2)),
+            (self.start_s, "spoofer on the air", (0, (1, 2))),
+            (self.capture_s, "as strong as the satellite", (0, (5, 3))),
+            (self.drag_start_s, "drags", (0, (9, 2, 2, 2))),
         )
         return [
             (s, f"truth: {what} from {s:.2f} s", dash) for s, what, dash in steps if s is not None

@@ -2,6 +2,7 @@
 //!
 //! Body axes are forward, right, down; local axes north, east, down (NED). SI units, angles in rad.
 
+pub mod alignment;
 pub mod batch;
 #[cfg(test)]
 pub(crate) mod closed_form;
@@ -15,6 +16,7 @@ pub mod errors;
 pub mod gravity;
 pub mod ideal;
 pub mod strapdown;
+pub mod tight;
 
 use nalgebra::{UnitQuaternion, Vector3};
 
