@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -29,6 +29,7 @@ QUIET: dict[str, Any] = {"color": "#009e73", "alpha": 0.13, "linewidth": 0}
 
 
 Dash = tuple[int, tuple[int, ...]]
+Place = Literal["upper center", "outside upper center"]
 SOLID: Dash = (0, ())
 DASHED: Dash = (0, (3, 1))
 DOTTED: Dash = (0, (2, 2))
@@ -215,7 +216,7 @@ def _marks(axes: Axes, case: Case) -> None:
         axes.axvline(time_s, color=style.TRUTH, linewidth=1.1, linestyle=dash)
 
 
-def _legend(figure: Figure | SubFigure, case: Case, place: str = "outside upper center") -> None:
+def _legend(figure: Figure | SubFigure, case: Case, place: Place = "outside upper center") -> None:
     entries = [
         (_sample(style.colour(t.signal)), signal_spec(t.signal).composite) for t in case.tracks
     ]

@@ -80,8 +80,9 @@ def png(
     nothing overlaps, for which everything is measured and drawn twice.
     """
     with rc_context(RC):  # type: ignore[arg-type]
-        layout = None if placed else "constrained"
-        figure = Figure(figsize=(width_in, height_in), dpi=140, layout=layout)
+        figure = Figure(figsize=(width_in, height_in), dpi=140)
+        if not placed:
+            figure.set_layout_engine("constrained")
         FigureCanvasAgg(figure)
         draw(figure)
         buffer = io.BytesIO()
