@@ -9,7 +9,7 @@ from sdr_spoof.aiding.records import InertialStates
 from sdr_spoof.aiding.simulated import ClockWalk, ReceiverNoise, fixed, simulate
 from sdr_spoof.config import Config
 from sdr_spoof.scenario.sky import earth
-from sdr_spoof.scenario.sky.trajectory import Trajectory, on_plane, rotations
+from sdr_spoof.scenario.sky.trajectory import OnPlane, Trajectory, rotations
 
 ORIGIN = np.array([34.0, 108.0, 400.0])
 DIRECTIONS = ((20, 40), (75, 25), (130, 55), (165, 45), (200, 50), (235, 30), (290, 65), (320, 20))
@@ -24,12 +24,12 @@ def circle(speed_m_s=40.0, across_m_s2=3.0):
         angle = speed_m_s / radius * time_s
         return radius * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=-1)
 
-    return Trajectory(on_plane(ORIGIN, enu))
+    return Trajectory(OnPlane(ORIGIN, enu))
 
 
 def straight(speed_m_s=40.0):
     """Northwards."""
-    return Trajectory(on_plane(ORIGIN, lambda t: np.stack([0 * t, speed_m_s * t, 0 * t], axis=-1)))
+    return Trajectory(OnPlane(ORIGIN, lambda t: np.stack([0 * t, speed_m_s * t, 0 * t], axis=-1)))
 
 
 def true_states(trajectory, time_s):

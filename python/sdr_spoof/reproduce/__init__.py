@@ -11,13 +11,17 @@ from pathlib import Path
 from sdr_spoof.errors import ConfigError
 from sdr_spoof.progress import Stages, silent
 
-from . import array, combo
+from . import array, combo, sprt_dme
+from . import combo, ship
 from .output import check_folder, summary, write
 from .study import Effort, Reproduction, Study
 
 __all__ = ["STUDIES", "Effort", "Reproduction", "Study", "find", "reproduce", "summary"]
 
-STUDIES: dict[str, Study] = {study.name: study for study in (combo.STUDY, array.STUDY)}
+STUDIES: dict[str, Study] = {
+    study.name: study for study in (combo.STUDY, array.STUDY, sprt_dme.STUDY)
+}
+STUDIES: dict[str, Study] = {study.name: study for study in (combo.STUDY, ship.STUDY)}
 """Every study, by name."""
 
 

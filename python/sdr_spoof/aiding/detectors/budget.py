@@ -46,8 +46,8 @@ def of(config: RateConfig) -> Budget:
     """
     grade = grades.named(config.grade)
     return Budget(
-        *_sensors(grade.gyro, config.bias_wander),
-        *_sensors(grade.accelerometer, config.bias_wander),
+        *_sensors(grade.gyro, config.bias_wander, 0.0),
+        *_sensors(grade.accelerometer, config.bias_wander, grades.GRAVITY_M_S2),
         config.align_position_m,
         config.align_velocity_m_s,
         math.radians(config.align_level_deg),
@@ -55,7 +55,9 @@ def of(config: RateConfig) -> Budget:
     )
 
 
-def _sensors(grade: SensorGrade, wander: float) -> tuple[float, float, float, float]:
+def _sensors(grade: SensorGrade, wander: float, steady: float) -> tuple[float, float, float, float]:
+    """Bias, density, walk, scale; what scale errors make of a ``steady`` input is a bias."""
+    scale = math.hypot(grade.scale, grade.misalignment_rad)
     bias = math.hypot(grade.bias, grade.wander)
     walk = 2 * grade.wander**2 / grade.wander_s + (wander * bias) ** 2 / WANDER_S
-    return bias, grade.density, walk, math.hypot(grade.scale, grade.misalignment_rad)
+    return math.hypot(bias, scale * steady), grade.density, walk, scale

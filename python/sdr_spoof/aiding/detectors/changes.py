@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
     from sdr_spoof.aiding.rate_config import RateConfig
     from sdr_spoof.aiding.records import InertialStates, Measurements
+    from sdr_spoof.aiding.strapdown import RunStates
 
     Floats = NDArray[np.float64]
 
@@ -165,6 +166,15 @@ def at_epochs(measurements: Measurements, states: InertialStates) -> States:
     age = states.aligned_s[nearest] + (time_s - ours[nearest])
     position[~inside], velocity[~inside] = np.nan, np.nan
     return States(position + lever, velocity, turn, age)
+
+
+def at_states(states: InertialStates | RunStates) -> States:
+    """One INS or many, (..., E), at their own times and their own point."""
+    shape = (*states.position_m.shape, 3)
+    turn = _to_earth(states.position_m.reshape(-1, 3)) @ rotations(
+        states.attitude_rad.reshape(-1, 3)
+    )
+    return States(states.position_m, states.velocity_m_s, turn.reshape(shape), states.aligned_s)
 
 
 def phase_sigma(measurements: Measurements, config: RateConfig) -> Floats:

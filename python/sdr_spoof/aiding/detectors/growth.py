@@ -53,6 +53,8 @@ class Steps:
     """Covariance that the interval adds, (..., E, 15, 15)."""
     start: Floats
     """Covariance after alignment, (..., 15, 15)."""
+    gained: Floats
+    """What specific force adds to the velocity over the interval, (..., E, 3) in m/s."""
     aligned: NDArray[np.bool_]
     """Epochs before which the INS was aligned anew, (E,)."""
 
@@ -102,7 +104,7 @@ def steps(ins: States, time_s: Floats, budget: Budget) -> Steps:
         there, back = transition[..., 1, :, :], np.swapaxes(transition[..., 1, :, :], -1, -2)
         for _ in range(round(float(ins.age_s[0] / interval[1]))):
             start = there @ start @ back + noise[..., 1, :, :]
-    return Steps(transition, noise, start, aligned)
+    return Steps(transition, noise, start, force * interval[:, None], aligned)
 
 
 def covariances(steps: Steps) -> Floats:
