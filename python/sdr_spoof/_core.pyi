@@ -148,6 +148,7 @@ class Tracker:
     def rejoin(self, system: str, prn: int) -> None: ...
     def take_signals(self) -> list[dict[str, Any]]: ...
     def take_combos(self) -> list[dict[str, Any]]: ...
+    def take_breaks(self) -> list[tuple[str, int, float, float]]: ...
 
 @final
 class Simulator:
@@ -167,6 +168,7 @@ class Simulator:
         filter_taps: int = 63,
         reacquire: bool = True,
         threads: int = 1,
+        gaps: Sequence[tuple[float, float]] = ...,
     ) -> Simulator: ...
     def advance(self, end: int) -> None: ...
     def position(self) -> int: ...
@@ -174,6 +176,7 @@ class Simulator:
     def rejoin(self, system: str, prn: int) -> None: ...
     def take_signals(self) -> list[dict[str, Any]]: ...
     def take_combos(self) -> list[dict[str, Any]]: ...
+    def take_breaks(self) -> list[tuple[str, int, float, float]]: ...
 
 def early_late(modulation: str, half_chips: float) -> tuple[float, float]: ...
 
@@ -315,3 +318,57 @@ def imu_readings(
     *,
     first: int = ...,
 ) -> list[NDArray[np.float64]]: ...
+
+# inertial navigation
+def inertial_navigate(
+    rotation: NDArray[np.float64],
+    velocity: NDArray[np.float64],
+    interval: NDArray[np.float64],
+    start: NDArray[np.float64],
+    *,
+    every: int,
+    errors: Sequence[Any],
+    alignments: NDArray[np.float64] | None = ...,
+    realigned: tuple[Sequence[tuple[int, bool]], NDArray[np.float64]] | None = ...,
+    vertical: NDArray[np.float64] | None = ...,
+    earth_fixed: bool = ...,
+) -> NDArray[np.float64]: ...
+def inertial_covariance(
+    rotation: NDArray[np.float64],
+    velocity: NDArray[np.float64],
+    interval: NDArray[np.float64],
+    start: NDArray[np.float64],
+    *,
+    every: int,
+    gyro: Sequence[float],
+    accelerometer: Sequence[float],
+    alignment: Sequence[Sequence[float]],
+) -> NDArray[np.float64]: ...
+def inertial_fit(
+    rotation: NDArray[np.float64],
+    velocity: NDArray[np.float64],
+    interval: NDArray[np.float64],
+    epochs: NDArray[np.float64],
+    readings: NDArray[np.float64],
+) -> NDArray[np.float64]: ...
+def normal_gravity(
+    latitude: NDArray[np.float64], height: NDArray[np.float64]
+) -> NDArray[np.float64]: ...
+
+# decision
+def sprt_path(
+    samples: NDArray[np.float64], form: str, variance: str, risk: float, guard: int
+) -> NDArray[np.float64]: ...
+def cusum_path(samples: NDArray[np.float64], shifts: Sequence[float]) -> NDArray[np.float64]: ...
+def glr_path(samples: NDArray[np.float64], windows: Sequence[int]) -> NDArray[np.float64]: ...
+def squares_path(samples: NDArray[np.float64], window: int) -> NDArray[np.float64]: ...
+def student_path(samples: NDArray[np.float64], window: int, known: bool) -> NDArray[np.float64]: ...
+def local_mean_path(
+    samples: NDArray[np.float64], window: int, baseline: int, slope: bool, known: bool
+) -> NDArray[np.float64]: ...
+def change_log_ratio(
+    samples: NDArray[np.float64],
+    shifts: Sequence[tuple[float, float]],
+    energy: bool,
+    from_start: bool,
+) -> NDArray[np.float64]: ...

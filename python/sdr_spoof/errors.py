@@ -34,3 +34,7 @@ class AidingError(SdrSpoofError, ValueError):
 
 class ObservationError(SdrSpoofError, ValueError):
     """A file of observations cannot be read."""
+
+
+class InertialError(SdrSpoofError, ValueError):
+    """Inertial data are wrong, or do not allow an alignment."""

@@ -14,7 +14,7 @@ from sdr_spoof.aiding.simulated.clock import IDEAL
 from sdr_spoof.aiding.simulated.noise import SILENT
 from sdr_spoof.nav.geodesy import azimuth_elevation, enu_matrix, geodetic_to_ecef
 from sdr_spoof.scenario.sky import SkyTable
-from sdr_spoof.scenario.sky.trajectory import Trajectory, on_plane
+from sdr_spoof.scenario.sky.trajectory import OnPlane, Trajectory
 
 ORIGIN = np.array([34.0, 108.0, 400.0])
 PLACE = geodetic_to_ecef(ORIGIN)
@@ -29,7 +29,7 @@ def curve(time_s):
     return np.stack([200 * np.sin(angle), 200 * np.cos(angle), 0 * angle], axis=-1)
 
 
-CIRCLE = Trajectory(on_plane(ORIGIN, curve))
+CIRCLE = Trajectory(OnPlane(ORIGIN, curve))
 STILL = (np.broadcast_to(PLACE, (TIME.size, 3)), np.zeros((TIME.size, 3)))
 STANDING = sim.fixed(TIME, PLACE, LOOKS)
 
@@ -161,7 +161,7 @@ def test_hover_stands_still():
 
 
 def test_false_trajectory():
-    other = Trajectory(on_plane(ORIGIN, lambda t: curve(t) + np.array([50.0, 0.0, 0.0])))
+    other = Trajectory(OnPlane(ORIGIN, lambda t: curve(t) + np.array([50.0, 0.0, 0.0])))
     found = silent(attacks=[sim.false_trajectory(other, 10, 30)])
     truth = silent(other)
     np.testing.assert_allclose(found.range_m[0, 10:30], truth.range_m[0, 10:30], atol=1e-7)

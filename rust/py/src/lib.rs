@@ -5,9 +5,11 @@ use pyo3::prelude::*;
 
 mod acquire;
 mod bench;
+mod decision;
 mod fec;
 mod fixes;
 mod imu;
+mod inertial;
 mod navigation;
 mod signals;
 mod simulate;
@@ -32,7 +34,9 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     navigation::register(m)?;
     fixes::register(m)?;
     imu::register(m)?;
+    inertial::register(m)?;
     tight::register(m)?;
+    decision::register(m)?;
     // Load numpy's C interface here, where an error can be raised: loaded on first use, it would
     // panic when Ctrl-C comes in between.
     m.py().import("numpy")?;

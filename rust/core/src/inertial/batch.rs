@@ -27,6 +27,9 @@ pub struct Reset {
     pub after: usize,
     /// The truth then.
     pub state: NavState,
+    /// Increments are missing before the next one: the row of output after the last one is not
+    /// touched, and the next one does not follow from it.
+    pub gap: bool,
 }
 
 /// A height in m and a velocity downwards in m/s that an altimeter knows.
@@ -101,10 +104,18 @@ impl Navigator {
         }
     }
 
-    fn restart(&mut self, state: NavState) {
+    fn restart(&mut self, state: NavState, gap: bool) {
         match self {
+            _ if gap => *self = self.fresh(state),
             Navigator::Local(ins) => ins.restart(state),
             Navigator::EarthFixed(ins) => ins.restart(state),
+        }
+    }
+
+    fn fresh(&self, state: NavState) -> Self {
+        match self {
+            Navigator::Local(_) => Navigator::Local(Strapdown::new(state)),
+            Navigator::EarthFixed(_) => Navigator::EarthFixed(EarthFixed::new(state)),
         }
     }
 
@@ -145,10 +156,15 @@ fn one(plan: &Plan<'_>, run: &Run<'_>, out: &mut [f64]) {
         if let Some(vertical) = plan.vertical {
             ins.hold(vertical[k]);
         }
-        while let Some((number, reset)) = resets.next_if(|(_, reset)| reset.after <= k + 1) {
-            ins.restart(aligned(&reset.state, run, number + 1));
+        let gap = resets.peek().is_some_and(|(_, reset)| reset.gap);
+        if gap && (k + 1) % plan.every == 0 {
+            write(&ins, rows.next());
         }
-        if (k + 1) % plan.every == 0 {
+        while let Some((number, reset)) = resets.next_if(|(_, reset)| reset.after <= k + 1) {
+            let state = aligned(&reset.state, run, number + 1);
+            ins.restart(state, reset.gap);
+        }
+        if !gap && (k + 1) % plan.every == 0 {
             write(&ins, rows.next());
         }
     }

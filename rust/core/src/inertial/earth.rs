@@ -20,6 +20,10 @@ pub struct Earth {
     pub meridian: f64,
     /// Of the prime vertical, plus height, m.
     pub normal: f64,
+    /// Their reciprocals, 1/m, and the tangent of the latitude: no division is needed twice.
+    per_north: f64,
+    per_east: f64,
+    tan: f64,
 }
 
 impl Earth {
@@ -28,12 +32,17 @@ impl Earth {
     pub fn at(latitude: f64, height: f64) -> Self {
         let (sin, cos) = latitude.sin_cos();
         let squeeze = 1.0 / (1.0 - E2 * sin * sin);
-        let normal = WGS84.a * squeeze.sqrt();
+        let radius = WGS84.a * squeeze.sqrt();
+        let meridian = radius * (1.0 - E2) * squeeze + height;
+        let normal = radius + height;
         Earth {
             sin,
             cos,
-            meridian: normal * (1.0 - E2) * squeeze + height,
-            normal: normal + height,
+            meridian,
+            normal,
+            per_north: 1.0 / meridian,
+            per_east: 1.0 / normal,
+            tan: sin / cos,
         }
     }
 
@@ -52,12 +61,14 @@ impl Earth {
     /// Turn of the local axes against the Earth at a velocity (north, east, down), rad/s.
     #[inline]
     pub fn transport(&self, velocity: &Vector3<f64>) -> Vector3<f64> {
-        let east = velocity.y / self.normal;
-        Vector3::new(
-            east,
-            -velocity.x / self.meridian,
-            -east * self.sin / self.cos,
-        )
+        let east = velocity.y * self.per_east;
+        Vector3::new(east, -velocity.x * self.per_north, -east * self.tan)
+    }
+
+    /// Change of latitude and longitude in rad along metres to the north and to the east.
+    #[inline]
+    pub fn angles(&self, north: f64, east: f64) -> [f64; 2] {
+        [north * self.per_north, east * self.per_east / self.cos]
     }
 }
 

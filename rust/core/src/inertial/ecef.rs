@@ -6,7 +6,7 @@
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
-use super::coning::{self, History};
+use super::coning::History;
 use super::earth::ROTATION_RATE;
 use super::strapdown::{self, StateError};
 use super::{gravity, Increment, NavState};
@@ -86,7 +86,7 @@ fn pull(position: &Vector3<f64>) -> Vector3<f64> {
 pub fn to_earth(place: Geodetic) -> UnitQuaternion<f64> {
     let axes = enu(place);
     let (east, north, up) = (axes.row(0), axes.row(1), axes.row(2));
-    let columns = Matrix3::from_rows(&[north.into(), east.into(), (-up).into()]).transpose();
+    let columns = Matrix3::from_rows(&[north.into(), east.into(), -up]).transpose();
     UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(columns))
 }
 

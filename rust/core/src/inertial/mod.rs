@@ -2,10 +2,12 @@
 //!
 //! Body axes are forward, right, down; local axes north, east, down (NED). SI units, angles in rad.
 
+pub mod alignment;
 pub mod batch;
 #[cfg(test)]
 pub(crate) mod closed_form;
 pub mod coning;
+pub mod covariance;
 mod draws;
 pub mod earth;
 pub mod ecef;

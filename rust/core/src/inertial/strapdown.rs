@@ -79,9 +79,9 @@ impl Strapdown {
 pub fn corrected(state: &NavState, error: &StateError) -> NavState {
     let earth = Earth::at(state.place.latitude, state.place.height);
     let mut next = *state;
-    next.place.latitude -= error.position.x / earth.meridian;
-    next.place.longitude -= error.position.y / (earth.normal * earth.cos);
-    next.place.longitude = wrapped(next.place.longitude);
+    let [north, east] = earth.angles(error.position.x, error.position.y);
+    next.place.latitude -= north;
+    next.place.longitude = wrapped(state.place.longitude - east);
     next.place.height += error.position.z;
     next.velocity -= error.velocity;
     next.attitude = coning::quaternion(&error.attitude) * state.attitude;
@@ -112,7 +112,8 @@ fn step(state: &NavState, motion: &Motion, interval: f64) -> NavState {
         place.latitude + half * start.x / WGS84.a,
         place.height - half * start.z,
     );
-    let pull = Vector3::new(0.0, 0.0, gravity_at(&earth, place.height - half * start.z));
+    let down = gravity::normal(earth.sin, place.height - half * start.z);
+    let pull = Vector3::new(0.0, 0.0, down);
     let felt = state.attitude * motion.velocity;
     let rotation = earth.rotation();
     let coriolis = |v: &Vector3<f64>| (2.0 * rotation + earth.transport(v)).cross(v);
@@ -123,18 +124,13 @@ fn step(state: &NavState, motion: &Motion, interval: f64) -> NavState {
     let velocity = start + felt - 0.5 * turn.cross(&felt) + push;
     let mean = 0.5 * (start + velocity);
     let mut next = *state;
-    next.place.latitude += interval * mean.x / earth.meridian;
-    next.place.longitude += interval * mean.y / (earth.normal * earth.cos);
-    next.place.longitude = wrapped(next.place.longitude);
+    let [north, east] = earth.angles(interval * mean.x, interval * mean.y);
+    next.place.latitude += north;
+    next.place.longitude = wrapped(place.longitude + east);
     next.place.height -= interval * mean.z;
     next.velocity = velocity;
     next.attitude = attitude(&state.attitude, &turn, &motion.rotation);
     next
-}
-
-#[inline]
-fn gravity_at(earth: &Earth, height: f64) -> f64 {
-    gravity::normal(earth.sin, height)
 }
 
 /// Body turned against inertial space, local axes turned likewise; the length kept at 1.

@@ -89,6 +89,7 @@ fn a_reset_takes_the_truth_and_its_error() {
     let resets = [Reset {
         after: 1000,
         state: closed_form::vehicle().state(10.0),
+        gap: false,
     }];
     let plan = Plan {
         resets: &resets,
@@ -140,5 +141,29 @@ fn the_vertical_channel_can_be_held() {
             ..free
         };
         assert!(height_error(&held).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn after_a_gap_the_next_increment_begins_at_the_reset() {
+    let mut increments = increments(20.0);
+    increments.drain(500..1000);
+    let resets = [Reset {
+        after: 500,
+        state: closed_form::vehicle().state(10.0),
+        gap: true,
+    }];
+    let plan = Plan {
+        resets: &resets,
+        ..plan(&increments)
+    };
+    let run = Run {
+        errors: None,
+        alignments: &[],
+    };
+    let out = navigated(&plan, &[run]);
+    for (k, seconds) in [(4, 4.0), (5, 5.0), (6, 11.0), (15, 20.0)] {
+        let truth = position(&closed_form::vehicle().state(seconds));
+        assert!((row(&out, k) - truth).norm() < 1e-4, "{k}");
     }
 }
