@@ -47,8 +47,8 @@ def section(effort: Effort, stages: Stages) -> Section:
             "a trusted copy and coasts; satellites are used again as the state machine of the "
             "guard says. The largest error during an attack on all satellites is that of the INS "
             "alone from the copy on; three satellites are left out by name.",
-            f"Grade A, 17 states, {effort.runs} runs each. 'Held' is the share of the runs in which "
-            "the alarm was not taken for a false one before the attack ended.",
+            f"Grade A, 17 states, {effort.runs} runs each. 'Held' is the share of the runs in "
+            "which the alarm was not taken for a false one before the attack ended.",
         ),
         tables=[_table(found)],
         pictures=[

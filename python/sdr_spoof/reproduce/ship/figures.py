@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 COLOURS = ("#0072b2", "#e08214", "#009e73", "#cc79a7", "#56b4e9", "#d55e00")
 LEAST_M = 0.3
+TICKS_S = (0, 2, 5, 10, 20, 50, 100, 200, 400)
 
 
 def _times(axes: Axes) -> None:
@@ -86,7 +87,7 @@ def draw_delays(found: Sequence[Outcome]) -> bytes:
         axes.set_yticks(range(len(found)), [o.named.title for o in found])
         axes.invert_yaxis()
         axes.set_xscale("symlog", linthresh=5)
-        axes.set_xticks([0, 2, 5, 10, 20, 50, 100, 200, 400], [0, 2, 5, 10, 20, 50, 100, 200, 400])
+        axes.set_xticks(TICKS_S, [f"{t:g}" for t in TICKS_S])
         axes.set(xlim=(-0.5, 450), xlabel="delay of the alarm (s); red: median of those found")
 
     return style.png(draw, 9.6, 0.9 + 0.3 * len(found))

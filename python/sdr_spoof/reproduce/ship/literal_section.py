@@ -35,8 +35,8 @@ DRAGS = {0.2: "all_0.2", 0.5: "all_0.5", 1.0: "all_1", 2.0: "all_2"}
 @lru_cache(maxsize=1)
 def divisors(threads: int) -> dict[str, tuple[float, float, float, float]]:
     """Of R of position, velocity, pseudorange and rate: as printed, and self-normalised."""
-    largest = []
-    own = []
+    largest: list[Floats] = []
+    own: list[Floats] = []
     for length, into in ((2, largest), (10, own)):
         config = as_published(11, exclusion="off", statistic_length=length)
         case = Case(config=config, runs=CALIBRATION_RUNS, first=CALIBRATION_FIRST)
@@ -97,12 +97,13 @@ def section(effort: Effort, stages: Stages) -> Section:
     return Section(
         "The closed loop as published: capture and lock-out",
         text=(
-            "The INS is corrected by what it is to judge. Slow drags take it along, so that R never "
-            "exceeds 1 before the attack ends; the end itself, a jump of all channels, then looks "
-            "like the attack. Channels that are left out against a displaced INS stay out: hundreds "
-            "of seconds after the end the position is still wrong, and most channels excluded.",
-            f"11 states, divisors from {CALIBRATION_RUNS} clean runs, {count} runs. The publication "
-            "has no rule for R of position or velocity over 1 with no satellite named; all are "
+            "The INS is corrected by what it is to judge. Slow drags take it along, so that R "
+            "never exceeds 1 before the attack ends; the end itself, a jump of all channels, then "
+            "looks like the attack. Channels that are left out against a displaced INS stay out: "
+            "hundreds of seconds after the end the position is still wrong, and most channels "
+            "excluded.",
+            f"11 states, divisors from {CALIBRATION_RUNS} clean runs, {count} runs. The "
+            "publication has no rule for R of position or velocity over 1 with no satellite named; all are "
             "left out then.",
         ),
         tables=[Table("literal", "Drags of all satellites from 600 to 1000 s", columns, rows)],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -63,11 +63,11 @@ class Case:
 
     attacks: tuple[Attack, ...] = ()
     grade: str = "ship-a"
-    config: TightConfig = TightConfig()
+    config: TightConfig = field(default_factory=TightConfig)
     runs: int = 20
     first: int = 0
     """Number of the first run: calibration and judgement use different ones."""
-    noise: ReceiverNoise = ReceiverNoise()
+    noise: ReceiverNoise = field(default_factory=ReceiverNoise)
 
 
 @lru_cache(maxsize=2)
@@ -146,4 +146,4 @@ def horizontal_m(solution: TightSolution) -> Floats:
 def velocity_errors_ned_m_s(solution: TightSolution) -> Floats:
     """North, east, down (E, 3)."""
     truth = voyage().truth
-    return solution.velocity_ned_m_s - local(truth.velocity_m_s, truth.position_m)
+    return np.asarray(solution.velocity_ned_m_s - local(truth.velocity_m_s, truth.position_m))

@@ -69,7 +69,7 @@ def glitches(draws: int) -> Floats:
     noise = rng.standard_normal((draws, 2 * LENGTH - 1))
     noise[:, LENGTH - 1] += 12.0
     divisor = np.abs(clean).max(axis=1) ** 2
-    return (forms(noise) > divisor[:, None]).any(axis=-1).mean(axis=-1)
+    return np.asarray((forms(noise) > divisor[:, None]).any(axis=-1).mean(axis=-1))
 
 
 def section(effort: Effort, stages: Stages) -> Section:
@@ -101,7 +101,9 @@ def _epochs(value: float) -> Cell:
 def _table(found: dict[float, Floats]) -> Table:
     columns = ["bias (sigma)"]
     columns += [f"{form}, {how}" for how in ("printed", "self-normalised") for form in FORMS]
-    rows = [[bias, *(_epochs(v) for v in values.ravel())] for bias, values in found.items()]
+    rows: list[Sequence[Cell]] = [
+        [bias, *(_epochs(v) for v in values.ravel())] for bias, values in found.items()
+    ]
     return Table("statistic_delays", "Epochs until R > 1", columns, rows)
 
 
