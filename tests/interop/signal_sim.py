@@ -22,7 +22,8 @@ DURATION_S = 45
 _GENERATOR = Path("IFdataGen/IFdataGen")
 PLACE = (31.2, 121.5, 30.0)
 ORBITS = Path(package.__file__).parent / "scenario" / "data" / "brdc-2023-03-12.rnx"
-RATE_MSPS = 4.092
+RATE_MSPS = 5.0
+"""No multiple of the chip rate: there, delays of unfiltered chips are known to a sample only."""
 
 
 @dataclass(frozen=True)
