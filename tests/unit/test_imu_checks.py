@@ -246,6 +246,20 @@ def test_starts_of_the_time(ship, tmp_path):
     assert (got.reference - START) + got.time_s == pytest.approx(ship.time_s, abs=1e-5)
 
 
+def test_times_that_are_no_seconds(ship, tmp_path):
+    path = tmp_path / "imu.csv"
+    for size, hint in ((1e3, "milliseconds"), (1e6, "microseconds"), (1e9, "nanoseconds")):
+        rates_csv(dataclasses.replace(ship, time_s=ship.time_s * size), path)
+        with pytest.raises(InertialError, match=f"apart.*{hint}"):
+            read_imu(path)
+    path.write_text(path.read_text().replace("time_s", "unix_s").replace("\n2", "\n16786224000002"))
+    with pytest.raises(InertialError, match="is no date: are the times milliseconds"):
+        read_imu(path)
+    rates_csv(dataclasses.replace(ship, time_s=ship.time_s * 50), path)
+    with pytest.raises(InertialError, match=r"rows are 1 s apart.*all rows"):
+        read_imu(path)
+
+
 @pytest.mark.parametrize(
     ("header", "message"),
     [
