@@ -20,7 +20,7 @@ import sys
 import tomllib
 from pathlib import Path
 
-WORKLOADS = ("W1", "W2", "acquisition", "synthesis")
+WORKLOADS = ("W1", "W2", "acquisition", "synthesis", "inertial")
 LEVELS = ("portable", "avx2")
 TOLERANCE = 0.03
 """Share by which a count may grow: compilers differ, and threads that wait count too."""

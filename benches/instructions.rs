@@ -8,15 +8,19 @@ use std::process::ExitCode;
 
 use sdr_spoof_core::acquire::{Input, Job, Search};
 use sdr_spoof_core::dsp::raw::RawSamples;
+use sdr_spoof_core::inertial::batch::{self, Run, COLUMNS};
 use sdr_spoof_core::sample::SampleFormat;
 use sdr_spoof_core::signal;
 use sdr_spoof_core::simd::Level;
+use workload::inertial::{imu, increments, plan};
 use workload::{engine, noise, run, synthesizer, LO_HZ, PER_MS, PRNS, RATE_HZ, TAPS, WORKLOADS};
 
 const ENGINE_MS: usize = 20;
 const SYNTHESIS_SAMPLES: usize = 1 << 17;
 /// Code periods summed in the search, as by default.
 const BLOCKS: usize = 20;
+const INERTIAL_S: usize = 20;
+const INERTIAL_RUNS: usize = 4;
 /// Doppler bins of the search, +-5 kHz.
 const BINS: i64 = 10;
 
@@ -68,6 +72,22 @@ fn synthesise(times: usize) {
     }
 }
 
+/// 20 s of four IMUs with noise.
+fn navigate(times: usize) {
+    let increments = increments(INERTIAL_S);
+    let plan = plan(&increments);
+    let errors = [Some((imu(), 0)); INERTIAL_RUNS];
+    let runs = errors.map(|errors| Run {
+        errors,
+        alignments: &[],
+    });
+    let mut out = vec![0.0; COLUMNS * plan.rows() * INERTIAL_RUNS];
+    for _ in 0..times {
+        batch::navigate(&plan, &runs, &mut out);
+        assert!(out.iter().all(|v| v.is_finite()));
+    }
+}
+
 fn number(text: &str) -> usize {
     text.parse().expect("a number of repetitions")
 }
@@ -81,6 +101,7 @@ fn main() -> ExitCode {
             .for_each(|l| println!("{}", l.name())),
         ["acquisition", times] => acquire(number(times)),
         ["synthesis", times] => synthesise(number(times)),
+        ["inertial", times] => navigate(number(times)),
         [workload, times] => correlate(workload, number(times)),
         _ => {
             eprintln!("usage: instructions levels | instructions WORKLOAD TIMES");

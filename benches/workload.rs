@@ -3,6 +3,8 @@
 //! W1 is 12 satellites with B1I and the B1C pilot as BOC(1,1), 5 taps, in real 8-bit samples at
 //! 120 Msps. W2 is the same with the whole QMBOC pilot and the data component's prompt.
 
+pub mod inertial;
+
 use std::sync::Arc;
 
 use sdr_spoof_core::dsp::correlator::Correlator;

@@ -305,3 +305,70 @@ def solve_snapshot(
     place_uncertainty_m: float,
     time_uncertainty_s: float,
 ) -> tuple[int, list[float], float, list[float], list[float], float, int, int | None] | None: ...
+
+# inertial sensors
+def imu_increments(
+    origin: Sequence[float], knots: NDArray[np.float64], step: float, per: int
+) -> list[NDArray[np.float64]]: ...
+def imu_readings(
+    rotation: NDArray[np.float64],
+    velocity: NDArray[np.float64],
+    interval: float,
+    errors: Any,
+    *,
+    first: int = ...,
+) -> list[NDArray[np.float64]]: ...
+
+# inertial navigation
+def inertial_navigate(
+    rotation: NDArray[np.float64],
+    velocity: NDArray[np.float64],
+    interval: NDArray[np.float64],
+    start: NDArray[np.float64],
+    *,
+    every: int,
+    errors: Sequence[Any],
+    alignments: NDArray[np.float64] | None = ...,
+    realigned: tuple[Sequence[tuple[int, bool]], NDArray[np.float64]] | None = ...,
+    vertical: NDArray[np.float64] | None = ...,
+    earth_fixed: bool = ...,
+) -> NDArray[np.float64]: ...
+def inertial_covariance(
+    rotation: NDArray[np.float64],
+    velocity: NDArray[np.float64],
+    interval: NDArray[np.float64],
+    start: NDArray[np.float64],
+    *,
+    every: int,
+    gyro: Sequence[float],
+    accelerometer: Sequence[float],
+    alignment: Sequence[Sequence[float]],
+) -> NDArray[np.float64]: ...
+def inertial_fit(
+    rotation: NDArray[np.float64],
+    velocity: NDArray[np.float64],
+    interval: NDArray[np.float64],
+    epochs: NDArray[np.float64],
+    readings: NDArray[np.float64],
+) -> NDArray[np.float64]: ...
+def normal_gravity(
+    latitude: NDArray[np.float64], height: NDArray[np.float64]
+) -> NDArray[np.float64]: ...
+
+# decision
+def sprt_path(
+    samples: NDArray[np.float64], form: str, variance: str, risk: float, guard: int
+) -> NDArray[np.float64]: ...
+def cusum_path(samples: NDArray[np.float64], shifts: Sequence[float]) -> NDArray[np.float64]: ...
+def glr_path(samples: NDArray[np.float64], windows: Sequence[int]) -> NDArray[np.float64]: ...
+def squares_path(samples: NDArray[np.float64], window: int) -> NDArray[np.float64]: ...
+def student_path(samples: NDArray[np.float64], window: int, known: bool) -> NDArray[np.float64]: ...
+def local_mean_path(
+    samples: NDArray[np.float64], window: int, baseline: int, slope: bool, known: bool
+) -> NDArray[np.float64]: ...
+def change_log_ratio(
+    samples: NDArray[np.float64],
+    shifts: Sequence[tuple[float, float]],
+    energy: bool,
+    from_start: bool,
+) -> NDArray[np.float64]: ...

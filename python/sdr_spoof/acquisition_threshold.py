@@ -18,9 +18,9 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.special import roots_legendre
-from scipy.stats import chi2, ncx2
+import scipy
+
+from .root import root
 
 DOPPLER_CORRELATION = (2 / np.pi,)
 """Correlation of Doppler cells 1/(2T) apart: sinc(1/2). It is 0 for the next but one."""
@@ -41,13 +41,13 @@ def threshold(
         delay_correlation: amplitude correlation with the 1st, 2nd ... next delay cell.
     """
     wanted = np.log(-np.log1p(-pfa))
-    single = chi2.isf(min(2 * pfa, 0.99), 2 * blocks)
-    union = chi2.isf(pfa / (bins * lags) / 2, 2 * blocks)
+    single = float(scipy.special.chdtri(2 * blocks, min(2 * pfa, 0.99)))
+    union = float(scipy.special.chdtri(2 * blocks, pfa / (bins * lags) / 2))
 
     def excess(level: float) -> float:
         return float(np.log(expected_clumps(level, bins, lags, blocks, delay_correlation)) - wanted)
 
-    return float(brentq(excess, single, union, xtol=1e-6))
+    return root(excess, single, union, 1e-6)
 
 
 def log10_probability(
@@ -57,7 +57,7 @@ def log10_probability(
 
     Not below that of ``LEAST_P`` in a single cell, beyond which no law is trusted.
     """
-    level = min(level, float(chi2.isf(LEAST_P, 2 * blocks)))
+    level = min(level, float(scipy.special.chdtri(2 * blocks, LEAST_P)))
     clumps = expected_clumps(level, bins, lags, blocks, delay_correlation)
     return float(np.log10(-np.expm1(-clumps)))
 
@@ -69,16 +69,17 @@ def expected_clumps(
     delay_free = _none_follows(level, blocks, delay_correlation)
     doppler_free = _none_follows(level, blocks, DOPPLER_CORRELATION)
     cells = max(1.0, lags * delay_free) * (1 + (bins - 1) * doppler_free)
-    return float(cells * chi2.sf(level, 2 * blocks))
+    return float(cells * scipy.special.chdtrc(2 * blocks, level))
 
 
 def _none_follows(level: float, blocks: int, correlation: tuple[float, ...]) -> float:
     """Probability that no following cell exceeds ``level``, given that one does."""
-    nodes, weights = roots_legendre(12)
+    nodes, weights = np.polynomial.legendre.leggauss(12)
     share = (nodes + 1) / 2
-    above = chi2.isf(chi2.sf(level, 2 * blocks) * share, 2 * blocks)
+    freedom = 2 * blocks
+    above = scipy.special.chdtri(freedom, scipy.special.chdtrc(freedom, level) * share)
     below = np.ones_like(above)
     for rho in correlation:
         rest = 1 - rho**2
-        below *= ncx2.cdf(level / rest, 2 * blocks, rho**2 * above / rest)
+        below *= scipy.special.chndtr(level / rest, freedom, rho**2 * above / rest)
     return float(np.sum(weights * below) / 2)

@@ -14,6 +14,11 @@ from typing import TYPE_CHECKING, Any
 from pydantic import BaseModel, ConfigDict, Field
 
 from .acquisition import AcquisitionConfig
+from .aided.config import AidedConfig
+from .aiding.array.config import ArrayConfig
+from .aiding.imu.config import ImuConfig
+from .aiding.rate_config import RateConfig
+from .aiding.tight.config import TightConfig
 from .detectors import DetectionConfig
 from .observables import ObservablesConfig
 from .positioning.config import NavigationConfig
@@ -54,6 +59,21 @@ class Config(BaseModel):
     )
     pvt: PvtConfig = Field(
         default_factory=PvtConfig, description="what a position is made of, and how it is checked"
+    )
+    imu: ImuConfig = Field(
+        default_factory=ImuConfig, description="how an IMU is mounted, and how its file is read"
+    )
+    rate: RateConfig = Field(
+        default_factory=RateConfig, description="consistency of rates with an INS"
+    )
+    tight: TightConfig = Field(
+        default_factory=TightConfig, description="tightly coupled filter of GNSS and INS"
+    )
+    array: ArrayConfig = Field(
+        default_factory=ArrayConfig, description="directions by an array of antennas"
+    )
+    aided: AidedConfig = Field(
+        default_factory=AidedConfig, description="aided navigation as a whole"
     )
 
 

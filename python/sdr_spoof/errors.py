@@ -26,3 +26,15 @@ class OutputError(SdrSpoofError, OSError):
 
 class NavigationError(SdrSpoofError, ValueError):
     """Navigation data are wrong: a file that is none, a value that does not fit its message."""
+
+
+class AidingError(SdrSpoofError, ValueError):
+    """GNSS measurements and an IMU's do not go together, or are too few for an aided position."""
+
+
+class ObservationError(SdrSpoofError, ValueError):
+    """A file of observations cannot be read."""
+
+
+class InertialError(SdrSpoofError, ValueError):
+    """Inertial data are wrong, or do not allow an alignment."""

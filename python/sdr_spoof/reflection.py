@@ -25,7 +25,6 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.constants import c as SPEED_OF_LIGHT
 
 from sdr_spoof.attribution import SHARED_LOOP, kind_of
 from sdr_spoof.detectors import (
@@ -41,6 +40,7 @@ from sdr_spoof.detectors.slips import repair_every_slip
 from sdr_spoof.detectors.windows import sliding_mean
 from sdr_spoof.records import Alarm, SignalTrack, State, TrackLog
 from sdr_spoof.satellites import combos_of, tracks_of
+from sdr_spoof.signals import LIGHT_M_S
 
 TOGETHER_S = 2.0
 """What one reflection does to both bands is dated no further apart."""
@@ -72,7 +72,7 @@ def explains(
         return False
     onset_s = min(first_s, *bent_s)
     return phase_reach(log, satellite, onset_s, config) < PHASE_REACH_CYCLES and all(
-        code_reach_m(track, onset_s, config) < SPEED_OF_LIGHT * half_spacing_s(track)
+        code_reach_m(track, onset_s, config) < LIGHT_M_S * half_spacing_s(track)
         for track in tracks_of(log, *satellite)
     )
 

@@ -9,7 +9,7 @@ from itertools import chain
 import numpy as np
 
 from sdr_spoof import decision, detectors
-from sdr_spoof.decision import Decision
+from sdr_spoof.decision import Decision, Refusal
 from sdr_spoof.detectors import DetectionConfig, StatisticSeries
 from sdr_spoof.detectors.band_attribution import common_clock, disturbed_band
 from sdr_spoof.fusion import (
@@ -79,24 +79,25 @@ def limits(config: DetectionConfig) -> str:
 
 
 def _examine(log: TrackLog, series: StatisticSeries, config: DetectionConfig) -> Examined:
+    decided = decision.decide(series, share_of(config))
+    refused = isinstance(decided, Refusal)
     return Examined(
         detector=series.detector,
         signal=series.signal,
         quantity=series.quantity,
-        alarm=_alarm(log, series, config),
-        tests=series.time_s.size,
-        tested_s=series.tested_s(),
+        alarm=_alarm(log, series, config, decided) if isinstance(decided, Decision) else None,
+        tests=0 if refused else series.time_s.size,
+        tested_s=0.0 if refused else series.tested_s(),
         start_s=float(np.min(series.trace_time_s, initial=np.inf)),
         held_until_s=float(np.max(series.trace_time_s[series.trace_segment >= 0], initial=-np.inf)),
         window_s=series.window_s,
-        notes=series.notes,
+        notes=(*series.notes, decided.reason) if isinstance(decided, Refusal) else series.notes,
     )
 
 
-def _alarm(log: TrackLog, series: StatisticSeries, config: DetectionConfig) -> Alarm | None:
-    decided = decision.find(config.rule)(series, share_of(config))
-    if decided is None:
-        return None
+def _alarm(
+    log: TrackLog, series: StatisticSeries, config: DetectionConfig, decided: Decision
+) -> Alarm:
     return Alarm(
         prn=series.prn,
         detector=series.detector,
@@ -105,7 +106,7 @@ def _alarm(log: TrackLog, series: StatisticSeries, config: DetectionConfig) -> A
         alarm_s=decided.alarm_s,
         statistic=decided.statistic,
         threshold=decided.threshold,
-        unit=series.unit,
+        unit=decided.unit or series.unit,
         system=series.system,
         log10_p=decided.log10_p,
         quantity=series.quantity,

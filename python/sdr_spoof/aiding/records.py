@@ -7,8 +7,8 @@ that is the same for all records that go together.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -86,3 +86,11 @@ class Measurements:
     def systems(self) -> tuple[str, ...]:
         """RINEX system letters of the columns."""
         return tuple(name[0] for name in self.satellites)
+
+    def part(self, start: int, stop: int) -> Self:
+        """Epochs ``start`` to ``stop``; the first change keeps what it counts from."""
+        names = (
+            *("time_s", "satellite_m", "satellite_velocity_m_s", "range_m", "rate_m_s"),
+            *("change_m", "cn0_dbhz", "spoofed"),
+        )
+        return replace(self, **{name: getattr(self, name)[start:stop] for name in names})

@@ -19,7 +19,21 @@ from pydantic import ValidationError
 
 from sdr_spoof.errors import ConfigError, SdrSpoofError
 
-from . import acquire, bench, campaign, demo, fix, info, process, reproduce, synth, track, validate
+from . import (
+    acquire,
+    aid,
+    array,
+    bench,
+    campaign,
+    demo,
+    fix,
+    info,
+    process,
+    reproduce,
+    synth,
+    track,
+    validate,
+)
 from .command import INTERRUPTED, Command, Outcome, to_plain
 from .ui import Ui
 
@@ -35,6 +49,8 @@ COMMANDS: tuple[Command, ...] = (
     track.COMMAND,
     process.COMMAND,
     fix.COMMAND,
+    aid.COMMAND,
+    array.COMMAND,
     demo.COMMAND,
     campaign.COMMAND,
     bench.COMMAND,

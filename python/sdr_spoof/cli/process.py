@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sdr_spoof import config
+from sdr_spoof.errors import AidingError
 
-from . import options, tables
+from . import aid, options, tables
 from .command import INTERRUPTED, Command, Outcome
 
 if TYPE_CHECKING:
@@ -25,27 +26,59 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     options.add_selection(parser)
     options.add_output(parser, "folder for report.html and result.h5 (default: out/<recording>)")
     options.add_threads(parser)
-    config.add_flags(
-        parser, ["acquisition", "tracking", "detection", "navigation", "observables", "pvt"]
-    )
+    aid.add_imu(parser, required=False)
+    stages = ["acquisition", "tracking", "detection", "navigation", "observables", "pvt"]
+    config.add_flags(parser, [*stages, *aid.ONLY_AIDED])
 
 
 def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
-    from sdr_spoof.pipeline import process  # noqa: PLC0415
+    from sdr_spoof.pipeline import output_paths, process  # noqa: PLC0415
 
     settings = config.from_arguments(arguments)
     recording = options.recording_from(arguments)
+    out = arguments.output or Path("out") / recording.path.stem
+    if arguments.imu is not None:
+        output_paths(out, aid.NAMES, force=arguments.force)
     processed = process(
         recording,
         settings,
-        out=arguments.output or Path("out") / recording.path.stem,
+        out=out,
         signals=options.signals_from(arguments, recording),
         prns=options.prns_from(arguments),
         threads=arguments.threads,
         force=arguments.force,
         stages=ui.stages,
     )
-    return outcome(processed, ui)
+    said = outcome(processed, ui)
+    if arguments.imu is None:
+        return said
+    return _aided(said, processed, arguments, ui)
+
+
+def _aided(said: Outcome, processed: Processed, arguments: argparse.Namespace, ui: Ui) -> Outcome:
+    """The same, and what the IMU says of it.
+
+    Raises:
+        AidingError: there are no observations that the IMU could judge.
+    """
+    from sdr_spoof.aided.session import session_of  # noqa: PLC0415
+    from sdr_spoof.sources.observed import Observed  # noqa: PLC0415
+
+    located, settings, out = processed.located, processed.config, processed.report_path.parent
+    if located is None:
+        raise AidingError(f"--imu: there are no observations to judge: {processed.why_not_located}")
+    observed = Observed(located.observations, located.navigation, processed.verdict)
+    name = processed.recording.path.name
+    session = session_of(observed, arguments.imu, settings, name=name, stages=ui.stages)
+    with ui.stages("Reporting"):
+        session.write(out, settings, force=arguments.force)
+    more = aid.outcome(session, out, settings)
+
+    def render(console: Console) -> None:
+        said.render(console)
+        more.render(console)
+
+    return Outcome(said.data | {"aided": more.data}, render, said.exit_code)
 
 
 def outputs(processed: Processed) -> str:
@@ -105,5 +138,6 @@ COMMAND = Command(
         "sdr-spoof process recording.sigmf-meta",
         "sdr-spoof process b1.bin --sample-format ri8 --sample-rate-hz 120e6 --lo-hz 1538.259e6",
         "sdr-spoof process recording.sigmf-meta -o out/today --force --json",
+        "sdr-spoof process ship.sigmf-meta --imu ship.imu.csv --grade ship-a",
     ),
 )

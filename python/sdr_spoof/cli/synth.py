@@ -33,7 +33,10 @@ def _configure(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="divide all times and durations by N; rates, powers and offsets stay",
     )
-    options.add_output(parser, "recording to write: <PATH>.sigmf-data, -meta and .truth.json")
+    options.add_output(
+        parser,
+        "recording to write: <PATH>.sigmf-data, -meta, .truth.json, and .imu.csv if it has an IMU",
+    )
     options.add_threads(parser)
 
 
@@ -58,7 +61,12 @@ def _list() -> Outcome:
 
 
 def _synthesize(arguments: argparse.Namespace, ui: Ui) -> Outcome:
-    from sdr_spoof.scenario import find_scenario, synthesize, truth_path  # noqa: PLC0415
+    from sdr_spoof.scenario import (  # noqa: PLC0415
+        find_scenario,
+        imu_path,
+        synthesize,
+        truth_path,
+    )
 
     scenario = find_scenario(arguments.scenario)
     if arguments.speed_up is not None:
@@ -72,14 +80,18 @@ def _synthesize(arguments: argparse.Namespace, ui: Ui) -> Outcome:
             progress=progress,
         )
     truth = truth_path(meta)
+    imu = None if scenario.imu is None else imu_path(meta)
 
     def render(console: Console) -> None:
         console.print(f"Recording: {meta}", highlight=False, soft_wrap=True)
         console.print(f"Truth:     {truth}", highlight=False, soft_wrap=True)
+        if imu is not None:
+            console.print(f"IMU:       {imu}", highlight=False, soft_wrap=True)
 
     data = {
         "recording": meta,
         "truth": truth,
+        "imu": imu,
         "sample_count": scenario.recording.sample_count,
         "duration_s": scenario.recording.duration_s,
     }
@@ -92,8 +104,9 @@ COMMAND = Command(
     _configure,
     _run,
     usage="SCENARIO -o REC [options]",
-    details="Writes samples, metadata and the truth. Ctrl-C keeps what was done so far, marked "
-    "partial. SCENARIO is a file or one of those that come with the package: --list names them.",
+    details="Writes samples, metadata and the truth, and what an IMU reads where there is one. "
+    "Ctrl-C keeps what was done so far, marked partial. SCENARIO is a file or one of those that "
+    "come with the package: --list names them.",
     examples=(
         "sdr-spoof synth scenario.toml -o recording",
         "sdr-spoof synth --list",

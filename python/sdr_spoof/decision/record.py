@@ -19,3 +19,13 @@ class Decision:
     """Threshold at that value."""
     log10_p: float
     """log10 of the H0 probability of that value in one test, clipped."""
+    unit: str | None = None
+    """Of statistic and threshold; None for that of the series."""
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """A rule cannot judge a series: its samples are not what the rule was calibrated for."""
+
+    reason: str
+    """In words, for the notes of the satellite."""

@@ -5,12 +5,29 @@ The latch matters: once a coherent spoofer has captured the loop the difference 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.typing import NDArray
 
 from sdr_spoof.decision.onset import onset_time
 from sdr_spoof.decision.record import Decision
+from sdr_spoof.decision.rule import Change, SequentialRule
 from sdr_spoof.detectors.config import DetectionConfig
 from sdr_spoof.detectors.series import StatisticSeries
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """None."""
+
+
+def path(z: NDArray[np.float64], parameters: Parameters) -> NDArray[np.float64]:
+    """The size of each sample; NaN for what is not a finite number."""
+    del parameters
+    size = np.abs(z)
+    size[size == np.inf] = np.nan
+    return np.asarray(size)
 
 
 def decide(series: StatisticSeries, config: DetectionConfig) -> Decision | None:
@@ -30,3 +47,15 @@ def decide(series: StatisticSeries, config: DetectionConfig) -> Decision | None:
         threshold=float(threshold[peak]),
         log10_p=series.log10_p(peak),
     )
+
+
+RULE = SequentialRule(
+    "threshold",
+    "Threshold",
+    "whether one test is beyond what noise explains",
+    path,
+    Parameters(),
+    lambda _: Change(template=(1.0,), sizes=(3.5, 5.0, 7.0)),
+    "deviate",
+    decide=decide,
+)

@@ -25,9 +25,10 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
-from scipy.stats import norm
+
+from sdr_spoof.root import root
 
 DIRECTIONS = 64
 """Directions over which the mean is taken, over half a turn."""
@@ -53,7 +54,7 @@ def _threshold(
     def excess(z: float) -> float:
         return float(np.log(alarms_per_hour(z, windows, reference, step_s) / false_alarms_per_hour))
 
-    return LEAST_SIGMAS if excess(LEAST_SIGMAS) < 0.0 else float(brentq(excess, 2.0, 30.0))
+    return LEAST_SIGMAS if excess(LEAST_SIGMAS) < 0.0 else root(excess, 2.0, 30.0, 1e-12)
 
 
 def mean_threshold_sigmas(
@@ -74,7 +75,7 @@ def _mean_threshold(
         rate = mean_alarms_per_hour(z, window, reference, step_s)
         return float(np.log(rate / false_alarms_per_hour))
 
-    return LEAST_SIGMAS if excess(LEAST_SIGMAS) < 0.0 else float(brentq(excess, 2.0, 30.0))
+    return LEAST_SIGMAS if excess(LEAST_SIGMAS) < 0.0 else root(excess, 2.0, 30.0, 1e-12)
 
 
 def mean_alarms_per_hour(z: float, window: int, reference: int, step_s: float) -> float:
@@ -82,19 +83,19 @@ def mean_alarms_per_hour(z: float, window: int, reference: int, step_s: float) -
     # The autocorrelation of the weights falls by half the squares of their steps.
     ends, middle = 1.0 / window**2 + 1.0 / reference**2, (1.0 / window + 1.0 / reference) ** 2
     loss = 0.5 * (ends + middle) / (1.0 / window + 1.0 / reference)
-    per_row = 2.0 * z * loss * overshoot(z * np.sqrt(2.0 * loss)) * norm.pdf(z)
+    per_row = 2.0 * z * loss * overshoot(z * np.sqrt(2.0 * loss)) * _density(z)
     return 3600.0 / step_s * float(per_row)
 
 
 def alarms_per_hour(z: float, windows: Sequence[int], reference: int, step_s: float) -> float:
     """Rate of clumps of tests beyond the equivalent normal deviate ``z``, per hour of tests."""
-    log_p = float(norm.logsf(z)) + np.log(2.0)
+    log_p = float(scipy.special.log_ndtr(-z)) + np.log(2.0)
     return tests_per_hour(z, windows, reference, step_s) * float(np.exp(log_p))
 
 
 def tests_per_hour(z: float, windows: Sequence[int], reference: int, step_s: float) -> float:
     """Independent tests per hour that all windows together amount to, at the deviate ``z``."""
-    energy = -2.0 * (float(norm.logsf(z)) + np.log(2.0))
+    energy = -2.0 * (float(scipy.special.log_ndtr(-z)) + np.log(2.0))
     per_row = sum(min(_tests_per_row(energy, n, reference), 1.0) for n in windows)
     return 3600.0 / step_s * per_row
 
@@ -122,5 +123,10 @@ def overshoot(x: ArrayLike) -> NDArray[np.float64]:
     Approximation of Siegmund and Yakir (*The Statistics of Gene Mapping*, 2007, equation 5.2).
     """
     half = np.asarray(x, dtype=np.float64) / 2.0
-    above = norm.cdf(half)
-    return np.asarray((above - 0.5) / half / (half * above + norm.pdf(half)))
+    above = scipy.special.ndtr(half)
+    return np.asarray((above - 0.5) / half / (half * above + _density(half)))
+
+
+def _density(x: ArrayLike) -> NDArray[np.float64]:
+    """Of the standard normal law."""
+    return np.asarray(np.exp(-0.5 * np.square(x)) / np.sqrt(2.0 * np.pi))

@@ -17,7 +17,6 @@ from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.constants import c as SPEED_OF_LIGHT
 
 from sdr_spoof import _core
 from sdr_spoof.detectors import code_blocks, jump_slope
@@ -26,6 +25,7 @@ from sdr_spoof.detectors.phase_difference import epoch_of, settled
 from sdr_spoof.detectors.presence import combo_sections
 from sdr_spoof.detectors.series import StatisticSeries
 from sdr_spoof.records import ComboTrack, State, TrackLog
+from sdr_spoof.signals import LIGHT_M_S
 
 NAME = "code_difference"
 
@@ -48,7 +48,7 @@ def statistic(
 ) -> StatisticSeries:
     """The tests on a track or a section of it, arguments as in :mod:`.phase_difference_glr`."""
     epoch_s = epoch_of(track)
-    metres = SPEED_OF_LIGHT * track.code_difference_s
+    metres = LIGHT_M_S * track.code_difference_s
     usable = (
         (track.state >= State.SYNCED) & np.isfinite(metres) & (True if there is None else there)
     )

@@ -21,7 +21,6 @@ from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.constants import c as SPEED_OF_LIGHT
 
 from sdr_spoof import _core
 from sdr_spoof.detectors import code_blocks, jump_slope
@@ -38,6 +37,7 @@ from sdr_spoof.detectors.series import StatisticSeries, signals_of
 from sdr_spoof.detectors.slips import repair_every_slip
 from sdr_spoof.detectors.windows import sections
 from sdr_spoof.records import SignalTrack, State, TrackLog
+from sdr_spoof.signals import LIGHT_M_S
 
 NAME = "code_minus_carrier"
 
@@ -114,5 +114,5 @@ def difference_m(track: SignalTrack, pieces: tuple[slice, ...]) -> NDArray[np.fl
         sigma = float(phase_sigma_cycles(cn0_hz, epoch_s))
         phase, _ = repair_every_slip(track.carrier_phase_cycles[piece], quantum, sigma)
         course = (delay_s[piece] - delay_s[piece][0]) - (phase - phase[0]) / spec["carrier_hz"]
-        metres[piece] = SPEED_OF_LIGHT * course
+        metres[piece] = LIGHT_M_S * course
     return metres

@@ -17,8 +17,8 @@ Points where the printed text cannot be taken as it stands:
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.stats import norm
 
 PUBLISHED_CN0_HZ: dict[str, float] = {"as_ratio": 30.0, "as_dbhz": 1000.0}
 """The two readings of the published "30 dB": the ratio 30 (printed numbers), or 30 dB-Hz."""
@@ -61,7 +61,7 @@ def threshold_for_pfa_hz(
     One-sided as published, or on the absolute value with half of ``pfa`` in each tail. Against an
     attack of unknown sign use the latter.
     """
-    quantile = float(norm.isf(pfa / 2.0 if two_sided else pfa))
+    quantile = -float(scipy.special.ndtri(pfa / 2.0 if two_sided else pfa))
     return np.asarray(np.asarray(sigma_hz, dtype=np.float64) * quantile)
 
 
@@ -102,8 +102,8 @@ def detection_probability(
     shift = np.asarray(shift_hz, dtype=np.float64)
     sigma = np.asarray(sigma_hz, dtype=np.float64)
     threshold = np.asarray(threshold_hz, dtype=np.float64)
-    above = norm.sf((threshold - shift) / sigma)
-    below = norm.cdf((-threshold - shift) / sigma) if two_sided else 0.0
+    above = scipy.special.ndtr((shift - threshold) / sigma)
+    below = scipy.special.ndtr((-threshold - shift) / sigma) if two_sided else 0.0
     return np.asarray(above + below)
 
 

@@ -30,6 +30,13 @@ class DetectionConfig(BaseModel):
         description="Detectors to run, by registry name.",
     )
     rule: str = Field("threshold", description="Decision rule, by registry name.")
+    rule_shift_sigmas: float = Field(
+        1.5,
+        gt=0.0,
+        le=20.0,
+        description="Shift for which the rule 'cusum' is fastest, in standard deviations of one "
+        "independent sample.",
+    )
     false_alarm_probability: float = Field(
         1e-6,
         gt=0.0,

@@ -32,8 +32,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.special import ndtri_exp
 
 from sdr_spoof.detectors.alarm_rate import threshold_sigmas
 from sdr_spoof.detectors.noise_level import NoiseLevel, noise_level
@@ -214,7 +214,7 @@ def _window(
     with np.errstate(divide="ignore", invalid="ignore"):
         energy = (jump_energy + slope_energy) / variance
         log_p = -0.5 * freedom * np.log1p(energy / freedom)
-        return np.asarray(-end_sign * ndtri_exp(log_p - np.log(2.0)))
+        return np.asarray(-end_sign * scipy.special.ndtri_exp(log_p - np.log(2.0)))
 
 
 def _beyond(

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+import scipy
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
-from scipy.stats import chi2
 
 
 @dataclass(frozen=True)
@@ -83,9 +83,10 @@ def noise_level(
 @cache
 def _chi2_median(freedom: int) -> tuple[float, float]:
     """Median of the chi-square law, and its density there."""
-    law = chi2(freedom)
-    middle = float(law.median())
-    return middle, float(law.pdf(middle))
+    half = 0.5 * freedom
+    middle = 2.0 * float(scipy.special.gammaincinv(half, 0.5))
+    log_density = (half - 1.0) * np.log(0.5 * middle) - 0.5 * middle - scipy.special.gammaln(half)
+    return middle, 0.5 * float(np.exp(log_density))
 
 
 def _trailing_median(values: NDArray[np.float64], most: int) -> NDArray[np.float64]:

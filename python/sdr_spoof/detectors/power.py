@@ -37,8 +37,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d
 
 from sdr_spoof import _core
 from sdr_spoof.detectors import noise_floor
@@ -200,7 +200,7 @@ def _rise(
         return np.maximum(over, 0.0), np.sqrt(variance[width:])
     # The largest of the windows that end where the test window begins, or up to `reach` earlier.
     windows = max(reach - width + 1, 1)
-    largest = maximum_filter1d(
+    largest = scipy.ndimage.maximum_filter1d(
         level, windows, mode="constant", cval=-np.inf, origin=(windows - 1) // 2
     )
     rise = level[width:] - largest[:-width]

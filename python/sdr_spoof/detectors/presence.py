@@ -12,8 +12,8 @@ import weakref
 from collections.abc import Iterator
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation, uniform_filter1d
 
 from sdr_spoof.detectors.config import DetectionConfig
 from sdr_spoof.detectors.windows import sections
@@ -106,12 +106,12 @@ def empty(track: SignalTrack, cn0_dbhz: float) -> NDArray[np.bool_]:
         np.abs(track.taps[:, tap].astype(np.complex128)) ** 2 / interval
         for tap in (track.prompt_tap, noise_tap)
     )
-    noise = uniform_filter1d(noise, max(round(NOISE_S / epoch_s), 1), mode="nearest")
+    noise = scipy.ndimage.uniform_filter1d(noise, max(round(NOISE_S / epoch_s), 1), mode="nearest")
     excess = power - noise * (1.0 + 10 ** (cn0_dbhz / 10.0) * interval)
     width = round(WINDOW_S / epoch_s) // 2 * 2 + 1
-    low = uniform_filter1d(excess, width, mode="nearest") <= 0.0
+    low = scipy.ndimage.uniform_filter1d(excess, width, mode="nearest") <= 0.0
     # A window stands at its middle row: spread each back over all its rows.
-    return np.asarray(binary_dilation(low, np.ones(width, np.bool_)))
+    return np.asarray(scipy.ndimage.binary_dilation(low, np.ones(width, np.bool_)))
 
 
 def find_noise_tap(track: SignalTrack) -> int | None:

@@ -18,7 +18,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.stats import norm
+import scipy
 
 from sdr_spoof.detectors.config import DetectionConfig
 from sdr_spoof.detectors.series import StatisticSeries
@@ -49,7 +49,7 @@ def _series(
     signal: str, prn: int, peaks: list[SecondPeak], sample_rate_hz: float
 ) -> StatisticSeries:
     time_s = np.array([p.sample_index for p in peaks]) / sample_rate_hz
-    value = np.array([float(norm.isf(0.5 * 10.0**p.log10_p)) for p in peaks])
+    value = np.array([-float(scipy.special.ndtri(0.5 * 10.0**p.log10_p)) for p in peaks])
     return StatisticSeries(
         detector=NAME,
         system=signal_spec(signal).system,
@@ -67,5 +67,5 @@ def _series(
         trace_segment=np.arange(value.size),
         notes=(),
         signal=signal,
-        threshold_sigmas=float(norm.isf(0.5 * peaks[0].false_alarm_probability)),
+        threshold_sigmas=-float(scipy.special.ndtri(0.5 * peaks[0].false_alarm_probability)),
     )

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import norm
 
 from sdr_spoof import _core
 from sdr_spoof.records import Alarm, SignalTrack, TrackLog
@@ -83,12 +83,12 @@ class StatisticSeries:
         """
         if self.threshold_sigmas is not None:
             return self.sigma * self.threshold_sigmas
-        return np.asarray(self.sigma * float(norm.isf(pfa * self.share / 2.0)))
+        return np.asarray(self.sigma * -float(scipy.special.ndtri(pfa * self.share / 2.0)))
 
     def log10_p(self, row: int) -> float:
         """log10 of the two-sided H0 probability of a row, clipped at LOG10_P_FLOOR."""
         z = abs(float(self.value[row])) / float(self.sigma[row])
-        log10_p = (float(norm.logsf(z)) + np.log(2.0)) / np.log(10.0)
+        log10_p = (float(scipy.special.log_ndtr(-z)) + np.log(2.0)) / np.log(10.0)
         return float(np.clip(log10_p, LOG10_P_FLOOR, 0.0))
 
 

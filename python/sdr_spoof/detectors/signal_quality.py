@@ -38,8 +38,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.special import fdtr, fdtrc, ndtri
 
 from sdr_spoof import _core
 from sdr_spoof.detectors.alarm_rate import mean_threshold_sigmas
@@ -308,7 +308,7 @@ def _f_to_normal(test: _Sums, reference: _Sums) -> NDArray[np.float64]:
     # Of the two tails the one that is less than about a half keeps its precision.
     high = ratio > 1.0
     quantile = np.empty(ratio.shape)
-    for side, tail, sign in ((high, fdtrc, -1.0), (~high, fdtr, 1.0)):
+    for side, tail, sign in ((high, scipy.special.fdtrc, -1.0), (~high, scipy.special.fdtr, 1.0)):
         p = tail(freedom[0][side], freedom[1][side], ratio[side])
-        quantile[side] = sign * ndtri(np.maximum(p, tiny))
+        quantile[side] = sign * scipy.special.ndtri(np.maximum(p, tiny))
     return quantile

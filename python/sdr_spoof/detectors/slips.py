@@ -12,8 +12,8 @@ authentic and a spoofed signal of similar power does.
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter
 
 FIT_ROWS = 20
 """Epochs on each side from which the size of a jump is measured."""
@@ -31,7 +31,7 @@ def find_slips(
     if phase_cycles.size < 4:
         return []
     steps = np.diff(phase_cycles)
-    excess = np.abs(steps - median_filter(steps, size=11, mode="nearest"))
+    excess = np.abs(steps - scipy.ndimage.median_filter(steps, size=11, mode="nearest"))
     slips = []
     for row in np.flatnonzero(excess > CANDIDATE * quantum_cycles) + 1:
         jump, jump_sigma = measure_jump(phase_cycles, int(row), sigma_cycles)
@@ -87,7 +87,7 @@ def repair_every_slip(
     if phase_cycles.size < 4:
         return repaired, 0
     steps = np.diff(phase_cycles)
-    excess = steps - median_filter(steps, size=11, mode="nearest")
+    excess = steps - scipy.ndimage.median_filter(steps, size=11, mode="nearest")
     quanta = np.round(excess / quantum_cycles)
     rows = np.flatnonzero(quanta) + 1
     count = 0

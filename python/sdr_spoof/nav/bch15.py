@@ -25,19 +25,21 @@ LENGTH, INFORMATION = 15, 11
 SUBFRAME = 300
 
 
-def _parity(word: int) -> int:
-    """Parity of 11 information bits: the remainder of word x^4 by the generator."""
-    word <<= LENGTH - INFORMATION
+def _parity(words: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Parity of 11 information bits each: the remainder of word x^4 by the generator."""
+    rest = words << (LENGTH - INFORMATION)
     for degree in range(LENGTH - 1, LENGTH - INFORMATION - 1, -1):
-        if word >> degree & 1:
-            word ^= GENERATOR << (degree - (LENGTH - INFORMATION))
-    return word
+        rest = rest ^ (rest >> degree & 1) * (GENERATOR << (degree - (LENGTH - INFORMATION)))
+    return rest
 
 
-CODEWORDS = np.array(
-    [[(w << 4 | _parity(w)) >> k & 1 for k in range(14, -1, -1)] for w in range(1 << INFORMATION)],
-    dtype=np.uint8,
-)
+def _codewords() -> NDArray[np.uint8]:
+    words = np.arange(1 << INFORMATION)
+    coded = words << (LENGTH - INFORMATION) | _parity(words)
+    return (coded[:, None] >> np.arange(LENGTH - 1, -1, -1) & 1).astype(np.uint8)
+
+
+CODEWORDS = _codewords()
 """All 2048, by their information bits."""
 _WEIGHTS = 1 << np.arange(INFORMATION - 1, -1, -1)
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
+import scipy
 
 from sdr_spoof.gaps import counted
 from sdr_spoof.records import SignalTrack, State
@@ -153,7 +153,7 @@ def _breaks(run: Run) -> NDArray[np.bool_]:
 def _judged(run: Run) -> Run:
     """Say where the code loop has settled."""
     count = max(1, round(SETTLED_S / run.integration_s))
-    mean = uniform_filter1d(run.code_error_s, count, mode="nearest")
+    mean = scipy.ndimage.uniform_filter1d(run.code_error_s, count, mode="nearest")
     # The quartiles do not see a transient that is short against the run.
     spread = np.subtract(*np.percentile(run.code_error_s, [75, 25])) / 1.349
     limit = UNSETTLED_SIGMAS * spread / np.sqrt(min(count, run.time_s.size))

@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
+import scipy
 
 from sdr_spoof.records import ComboTrack, State
 from sdr_spoof.signals import signal_spec
@@ -95,7 +95,7 @@ def _resolved(
     difference_s = code_s - beat_s
     beat_s = beat_s + step_s * round(float(np.mean(difference_s[:count])) / step_s)
     size = max(1, round(CHECKED_S / upper.integration_s))
-    astray = np.abs(uniform_filter1d(code_s - beat_s, size, mode="nearest"))
+    astray = np.abs(scipy.ndimage.uniform_filter1d(code_s - beat_s, size, mode="nearest"))
     cn0 = -10.0 * np.log10(
         10.0 ** (-0.1 * rows.cn0_lower_dbhz) + 10.0 ** (-0.1 * rows.cn0_upper_dbhz)
     )

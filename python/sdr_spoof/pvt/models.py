@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from sdr_spoof.errors import NavigationError
 from sdr_spoof.nav.atmosphere import core_model
@@ -39,7 +39,7 @@ def settings(
         "ionosphere": [core_model(ionosphere(config, s, store, time)) for s in systems],
         "troposphere": config.troposphere != "none",
         "max_pdop": config.max_pdop,
-        "thresholds": np.asarray(stats.chi2.isf(config.raim_false_alarm, freedom)).tolist(),
+        "thresholds": scipy.special.chdtri(freedom, config.raim_false_alarm).tolist(),
         "exclusions": config.raim_exclusions,
     }
 

@@ -37,7 +37,7 @@ def carrier_hz(signal: str) -> float:
 
 def ranges_m(observations: Observations, choice: Choice, config: PvtConfig) -> NDArray[np.float64]:
     """Pseudoranges (E, S) without group delays, smoothed if so configured."""
-    ranges = observations.pseudorange_m - LIGHT_M_S * _group_delay_s(observations, choice)
+    ranges = observations.pseudorange_m - LIGHT_M_S * group_delay_s(observations, choice)
     if config.smoothing_s:
         ranges = smoothed(observations, ranges, config.smoothing_s)
     if config.subcarrier:
@@ -45,7 +45,8 @@ def ranges_m(observations: Observations, choice: Choice, config: PvtConfig) -> N
     return np.ascontiguousarray(ranges)
 
 
-def _group_delay_s(observations: Observations, choice: Choice) -> NDArray[np.float64]:
+def group_delay_s(observations: Observations, choice: Choice) -> NDArray[np.float64]:
+    """Of each signal: it leaves the satellite so much later (E, S)."""
     delays = np.zeros(choice.known.shape)
     for column, signal in enumerate(observations.signals):
         own = np.array([e.group_delay_s(signal.signal) for e in choice.ephemerides] + [0.0])
@@ -58,7 +59,7 @@ def smoothed(
 ) -> NDArray[np.float64]:
     """Codes smoothed by their carriers where those are unbroken."""
     memory = _memory(observations, constant_s)
-    broken = _broken(observations)
+    gaps = broken(observations)
     result = ranges.copy()
     for column, signal in enumerate(observations.signals):
         if signal.signal != SUBCARRIER:
@@ -67,7 +68,7 @@ def smoothed(
             result[:, column] = _core.smooth_code(
                 np.ascontiguousarray(ranges[:, column]),
                 np.ascontiguousarray(carrier_m),
-                np.ascontiguousarray(broken[:, column]),
+                np.ascontiguousarray(gaps[:, column]),
                 memory,
             )
     return result
@@ -82,7 +83,7 @@ def averaged(observations: Observations, constant_s: float) -> NDArray[np.float6
     beat = np.array([s.signal == SUBCARRIER for s in observations.signals])
     gone = ~np.isfinite(observations.pseudorange_m + observations.carrier_phase_cycles)
     since = np.arange(observations.epochs)[:, None]
-    begin = np.maximum.accumulate(np.where(_broken(observations) | gone, since, 0), axis=0)
+    begin = np.maximum.accumulate(np.where(broken(observations) | gone, since, 0), axis=0)
     count = np.minimum(since - begin, _memory(observations, constant_s) - 1)
     share = min(1.0, _interval_s(observations) / CODE_MEMORY_S)
     return np.where(beat | gone, 1.0, 1.0 + count * share)
@@ -97,7 +98,7 @@ def _memory(observations: Observations, constant_s: float) -> int:
     return max(1, round(constant_s / _interval_s(observations)))
 
 
-def _broken(observations: Observations) -> NDArray[np.bool_]:
+def broken(observations: Observations) -> NDArray[np.bool_]:
     """Where the carrier may not be the continuation of the epoch before (E, S)."""
     times, half = observations.time_s, observations.half_cycle
     gaps = np.diff(times, prepend=times[:1]) > 1.5 * _interval_s(observations)
@@ -160,7 +161,7 @@ def _unbroken(difference: NDArray[np.float64], step: float) -> list[NDArray[np.i
 
 def variance_m2(observations: Observations, config: PvtConfig) -> NDArray[np.float64]:
     """Assumed variance of each pseudorange (E, S), but for what grows towards the horizon."""
-    sigma = np.array([_sigma_m(s.signal, config) for s in observations.signals])
+    sigma = np.array([code_sigma_m(s.signal, config) for s in observations.signals])
     variance = sigma**2 * _by_cn0(observations, config)
     if config.smoothing_s:
         variance /= averaged(observations, config.smoothing_s)
@@ -178,7 +179,8 @@ def _by_cn0(observations: Observations, config: PvtConfig) -> NDArray[np.float64
     return np.asarray(10.0 ** ((REFERENCE_DBHZ - observations.cn0_dbhz) / 10.0))
 
 
-def _sigma_m(signal: str, config: PvtConfig) -> float:
+def code_sigma_m(signal: str, config: PvtConfig) -> float:
+    """Assumed noise of a signal's pseudorange at 45 dB-Hz."""
     if signal == SUBCARRIER:
         return config.subcarrier_sigma_m
     spec = signal_spec(signal)

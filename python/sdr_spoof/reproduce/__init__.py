@@ -11,13 +11,21 @@ from pathlib import Path
 from sdr_spoof.errors import ConfigError
 from sdr_spoof.progress import Stages, silent
 
-from . import combo
+from . import array, combo, ship, sprt_dme
 from .output import check_folder, summary, write
 from .study import Effort, Reproduction, Study
 
 __all__ = ["STUDIES", "Effort", "Reproduction", "Study", "find", "reproduce", "summary"]
 
-STUDIES: dict[str, Study] = {study.name: study for study in (combo.STUDY,)}
+STUDIES: dict[str, Study] = {
+    study.name: study
+    for study in (
+        combo.STUDY,
+        ship.STUDY,
+        sprt_dme.STUDY,
+        array.STUDY,
+    )
+}
 """Every study, by name."""
 
 

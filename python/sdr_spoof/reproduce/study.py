@@ -75,7 +75,7 @@ class Number:
     @property
     def met(self) -> bool:
         """Whether the value lies in its interval."""
-        return self.low <= self.value <= self.high
+        return bool(self.low <= self.value <= self.high)
 
 
 @dataclass(frozen=True)

@@ -5,16 +5,19 @@ For files only: nothing here drives a transmitter.
 
 from .attack import Asynchronous, InducedAttack, Meaconing, Multipath, Position, Ray
 from .emitters import Transmission, transmissions
+from .imu_data import ScenarioImu, imu_of
+from .imu_table import ImuTable
 from .load import builtin_scenario, find_scenario, load_scenario, scenario_names
 from .model import Scenario
 from .recording_plan import RecordingPlan
 from .satellite import Satellite
 from .sky import Sky, SkySatellite, SkyTable
-from .synthesis import open_synthesizer, synthesize, truth_path
+from .synthesis import imu_path, open_synthesizer, synthesize, truth_path
 from .truth import attack_timelines, truth
 
 __all__ = [
     "Asynchronous",
+    "ImuTable",
     "InducedAttack",
     "Meaconing",
     "Multipath",
@@ -23,6 +26,7 @@ __all__ = [
     "RecordingPlan",
     "Satellite",
     "Scenario",
+    "ScenarioImu",
     "Sky",
     "SkySatellite",
     "SkyTable",
@@ -30,6 +34,8 @@ __all__ = [
     "attack_timelines",
     "builtin_scenario",
     "find_scenario",
+    "imu_of",
+    "imu_path",
     "load_scenario",
     "open_synthesizer",
     "scenario_names",

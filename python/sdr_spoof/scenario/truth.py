@@ -15,7 +15,7 @@ Every quantity is that of the synthesis itself, asked at the times of the table:
 
 ``attacks`` has an entry for each attacked satellite, ``disturbances`` one for each that has
 multipath, which is no attack. ``sky``, where the scenario has one, tells of the receiver's state
-and of the satellites in view.
+and of the satellites in view, and ``imu`` of what its inertial sensors really went through.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from sdr_spoof.signals import components, signal_spec
 
 from .attack import Position
 from .emitters import AUTHENTIC, Transmission, transmissions
+from .imu_data import imu_of
 from .sky.truth import sky_truth
 
 if TYPE_CHECKING:
@@ -77,6 +78,9 @@ def truth(scenario: Scenario, *, sample_count: int | None = None) -> dict[str, A
         authentic = [t for t in sent if t.role == AUTHENTIC]
         false = [a for a in scenario.attack if isinstance(a, Position)]
         told["sky"] = sky_truth(sky, time_s, authentic, false)
+    imu = imu_of(scenario, duration_s=duration_s)
+    if imu is not None:
+        told["imu"] = imu.truth(time_s)
     return told
 
 

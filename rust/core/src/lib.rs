@@ -10,6 +10,7 @@
 
 pub mod acquire;
 pub mod correlator_level;
+pub mod decision;
 pub mod dsp;
 pub mod error;
 pub mod fec;

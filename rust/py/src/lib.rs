@@ -5,12 +5,16 @@ use pyo3::prelude::*;
 
 mod acquire;
 mod bench;
+mod decision;
 mod fec;
 mod fixes;
+mod imu;
+mod inertial;
 mod navigation;
 mod signals;
 mod simulate;
 mod synth;
+mod tight;
 mod track;
 
 /// Core errors become ValueError; Python wraps them where it can say more.
@@ -29,6 +33,10 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     fec::register(m)?;
     navigation::register(m)?;
     fixes::register(m)?;
+    imu::register(m)?;
+    inertial::register(m)?;
+    tight::register(m)?;
+    decision::register(m)?;
     // Load numpy's C interface here, where an error can be raised: loaded on first use, it would
     // panic when Ctrl-C comes in between.
     m.py().import("numpy")?;

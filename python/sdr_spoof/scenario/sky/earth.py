@@ -41,10 +41,21 @@ def to_plane(origin: NDArray[np.float64], places: NDArray[np.float64]) -> NDArra
     return np.asarray(((places - origin) / _per_metre(origin))[:, [1, 0, 2]])
 
 
+def stretch(origin: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """True metres east, north, up (N, 3) a metre of the plane about a place, at places (N, 3)."""
+    true, plane = degrees_a_metre(places), _per_metre(origin)
+    return np.asarray((plane / true)[:, [1, 0, 2]])
+
+
 def _per_metre(origin: NDArray[np.float64]) -> NDArray[np.float64]:
     """Degrees a metre to the north and to the east, and 1."""
-    latitude, height = np.radians(origin[0]), origin[2]
+    return np.asarray(degrees_a_metre(origin[None])[0])
+
+
+def degrees_a_metre(places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """North, east and up (1) at places (N, 3)."""
+    latitude, height = np.radians(places[:, 0]), places[:, 2]
     root = np.sqrt(1 - _E2 * np.sin(latitude) ** 2)
     north = SEMI_MAJOR_M * (1 - _E2) / root**3 + height
     east = (SEMI_MAJOR_M / root + height) * np.cos(latitude)
-    return np.array([np.degrees(1 / north), np.degrees(1 / east), 1.0])
+    return np.stack([np.degrees(1 / north), np.degrees(1 / east), np.ones_like(north)], axis=-1)

@@ -58,13 +58,37 @@ def geometry(
         time_s: times of reception, system time since the start, (N,).
         antenna_m: Earth-fixed positions of the antenna then, (N, 3).
     """
+    place, clock_s, travel_s = _light_time(orbit, earth_rate, time_s, antenna_m)
+    azimuth, elevation = np.radians(azimuth_elevation(antenna_m, place)).T
+    return Geometry(travel_s * SPEED_OF_LIGHT, clock_s, azimuth, elevation)
+
+
+def seen(
+    orbit: Orbit,
+    earth_rate: float,
+    time_s: NDArray[np.float64],
+    antenna_m: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Where the satellite was at transmission, in the Earth-fixed axes at reception, (N, 3).
+
+    Arguments as of :func:`geometry`.
+    """
+    return _light_time(orbit, earth_rate, time_s, antenna_m)[0]
+
+
+def _light_time(
+    orbit: Orbit,
+    earth_rate: float,
+    time_s: NDArray[np.float64],
+    antenna_m: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Place (N, 3), satellite's clock and travel time in s (N,)."""
     travel_s = np.full(time_s.shape, 0.075)
     for _ in range(ITERATIONS):
         position, clock_s = orbit(time_s - travel_s)
-        seen = _turned(position, earth_rate * travel_s)
-        travel_s = np.linalg.norm(seen - antenna_m, axis=1) / SPEED_OF_LIGHT
-    azimuth, elevation = np.radians(azimuth_elevation(antenna_m, seen)).T
-    return Geometry(travel_s * SPEED_OF_LIGHT, clock_s, azimuth, elevation)
+        place = _turned(position, earth_rate * travel_s)
+        travel_s = np.linalg.norm(place - antenna_m, axis=1) / SPEED_OF_LIGHT
+    return place, clock_s, travel_s
 
 
 def spline(time_s: NDArray[np.float64], range_m: NDArray[np.float64]) -> _core.Spline:

@@ -14,47 +14,18 @@ from sdr_spoof.nav.geodesy import geodetic_to_ecef
 from sdr_spoof.scenario.base import FROZEN, NonNegative
 
 from . import earth, trajectory_files
+from .receiver_base import Latitude, Longitude, Placed, Receiver, Vector
 from .route import GRAVITY_M_S2, Point, route
-from .trajectory import Curve, Trajectory, on_plane, through
+from .ship import Ship
+from .trajectory import Curve, OnPlane, Trajectory, along, through
+from .uav import Uav
+from .vehicle import Vehicle
 
-Latitude = Annotated[float, Field(ge=-90, le=90)]
-Longitude = Annotated[float, Field(ge=-180, le=360)]
-Vector = tuple[float, float, float]
-
-
-class _Receiver(BaseModel):
-    """What all kinds share."""
-
-    model_config = FROZEN
-
-    kind: str = Field(description="kind of trajectory")
-    lever_arm_m: Vector = Field(
-        (0.0, 0.0, 0.0), description="antenna from the body's point: forward, right, down"
-    )
-
-    def trajectory(self, duration_s: float) -> Trajectory:
-        """The motion for times from 0 to the duration, and a little more at either end.
-
-        Raises:
-            ValueError: it cannot be moved so; the message names the key.
-        """
-        raise NotImplementedError
+_LOOK_S = 0.02
+"""Spacing at which a way is asked for its direction."""
 
 
-class _Placed(_Receiver):
-    """A trajectory about a place."""
-
-    latitude_deg: Latitude = Field(description="latitude of the place, or of the middle")
-    longitude_deg: Longitude = Field(description="its longitude")
-    height_m: float = Field(0.0, description="its height above the ellipsoid")
-
-    @property
-    def origin(self) -> NDArray[np.float64]:
-        """Latitude and longitude in degrees, height."""
-        return np.array([self.latitude_deg, self.longitude_deg, self.height_m])
-
-
-class Static(_Placed):
+class Static(Placed):
     """A receiver that stands still."""
 
     kind: Literal["static"] = Field("static", description="kind of trajectory")
@@ -69,7 +40,7 @@ class Static(_Placed):
         )
 
 
-class Circle(_Placed):
+class Circle(Placed):
     """A receiver that goes round a place."""
 
     kind: Literal["circle"] = Field("circle", description="kind of trajectory")
@@ -88,7 +59,7 @@ class Circle(_Placed):
             east, north = self.radius_m * np.sin(bearing), self.radius_m * np.cos(bearing)
             return np.stack([east, north, np.zeros_like(east)], axis=-1)
 
-        return Trajectory(on_plane(self.origin, enu_m), lever_arm_m=self.lever_arm_m)
+        return Trajectory(OnPlane(self.origin, enu_m), lever_arm_m=self.lever_arm_m)
 
 
 class Waypoint(BaseModel):
@@ -120,7 +91,7 @@ class Waypoint(BaseModel):
         return float(east), float(north), self.up_m
 
 
-class Waypoints(_Placed):
+class Waypoints(Placed):
     """A receiver that drives through points, with round turns."""
 
     kind: Literal["waypoints"] = Field("waypoints", description="kind of trajectory")
@@ -131,10 +102,11 @@ class Waypoints(_Placed):
         """Straight legs and arcs."""
         points = [Point(w.place(self.origin), w.speed_m_s) for w in self.waypoint]
         way = route(points, self.turn_g * GRAVITY_M_S2, duration_s)
-        return Trajectory(on_plane(self.origin, way), lever_arm_m=self.lever_arm_m)
+        looks = along(way, np.arange(-1.0, duration_s + 1.0, _LOOK_S))
+        return Trajectory(OnPlane(self.origin, way), looks, self.lever_arm_m)
 
 
-class FromFile(_Receiver):
+class FromFile(Receiver):
     """A receiver that moves as a file says, a cubic spline through its rows."""
 
     kind: Literal["csv", "nmea"] = Field(description="kind of trajectory")
@@ -169,6 +141,7 @@ class NmeaFile(FromFile):
 
 
 AnyReceiver = Annotated[
-    Static | Circle | Waypoints | CsvFile | NmeaFile, Field(discriminator="kind")
+    Static | Circle | Waypoints | Vehicle | Uav | Ship | CsvFile | NmeaFile,
+    Field(discriminator="kind"),
 ]
 """``[sky.receiver]``, told by its ``kind``."""

@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-import re
-from datetime import UTC, datetime
-from typing import Any, Literal, Self
+from dataclasses import replace
+from datetime import datetime
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pydantic import BaseModel, Field, field_validator, model_validator
 
+from sdr_spoof.nav.instants import instant
 from sdr_spoof.nav.time import GnssTime
 from sdr_spoof.scenario.base import FROZEN
 from sdr_spoof.signals import components, signal_spec
 
+from .array import ArrayTable
 from .clock import ReceiverClock
 from .receiver import AnyReceiver
 
+if TYPE_CHECKING:
+    from .trajectory import Trajectory
+
 SYSTEMS = {"C": "BDT", "G": "GPS"}
 """Systems of which there are orbits, and the names of their times."""
-_WEEK = re.compile(r"(GPS|GPST|BDT)\s+(\d+)\s+([\d.]+)")
 
 
 class SatelliteOverride(BaseModel):
@@ -87,6 +91,7 @@ class SkyTable(BaseModel):
         True, description="false: pseudo-random symbols instead of navigation messages"
     )
     clock: ReceiverClock = Field(ReceiverClock.model_validate({}), description="receiver's clock")
+    array: ArrayTable | None = Field(None, description="several antennas instead of one")
     satellite: tuple[SatelliteOverride, ...] = Field((), description="what differs")
 
     @field_validator("start", mode="before")
@@ -115,20 +120,18 @@ class SkyTable(BaseModel):
     @property
     def start_time(self) -> GnssTime:
         """Time of the first sample, by a right clock."""
-        week = _WEEK.fullmatch(self.start.strip())
-        if week:
-            system = "C" if week[1] == "BDT" else "G"
-            return GnssTime.of_week(int(week[2]), float(week[3]), system)
-        try:
-            date = datetime.fromisoformat(self.start)
-        except ValueError as error:
-            raise ValueError(
-                f"start: '{self.start}' is neither a date such as 2023-03-12T12:00:00 nor week "
-                "and seconds such as 'BDT 897 43204'"
-            ) from error
-        return GnssTime.of_utc(date.astimezone(UTC) if date.tzinfo else date)
+        return instant(self.start)
 
     def override(self, system: str, prn: int) -> SatelliteOverride:
         """What differs for a satellite."""
         found = (s for s in self.satellite if (s.system, s.prn) == (system, prn))
         return next(found, SatelliteOverride(prn=prn, system=system))
+
+    def trajectory(self, duration_s: float, *, reference: bool = False) -> Trajectory:
+        """Motion of the antenna that is recorded, or of an array's reference antenna."""
+        moving = self.receiver.trajectory(duration_s)
+        if self.array is None:
+            return moving
+        place = self.array.elements_m[0] if reference else self.array.place_m
+        forward, right, down = (a + b for a, b in zip(moving.lever_arm_m, place, strict=True))
+        return replace(moving, lever_arm_m=(forward, right, down))

@@ -23,6 +23,29 @@ Curve = Callable[["NDArray[np.float64]"], "NDArray[np.float64]"]
 """From times (N,) to vectors (N, 3)."""
 
 _DELTA_S = 1e-3
+_PLANE_DELTA_S = 2e-4
+"""Where coordinates are small, and rounded to 1e-12 m."""
+_STANDS_M_S = 1e-3
+
+
+@dataclass(frozen=True)
+class OnPlane:
+    """Earth-fixed positions of a curve in east, north, up about a place."""
+
+    origin: NDArray[np.float64]
+    """Latitude and longitude in degrees, height in m, (3,)."""
+    enu_m: Curve
+    """Along the ellipsoid: see :func:`.earth.from_plane`."""
+
+    def __call__(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Earth-fixed, (N, 3)."""
+        return geodetic_to_ecef(earth.from_plane(self.origin, self.enu_m(time_s)))
+
+    def velocity_enu_m_s(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
+        """True east, north, up components (N, 3)."""
+        rate = _rate(self.enu_m, time_s, _PLANE_DELTA_S)
+        places = earth.from_plane(self.origin, self.enu_m(time_s))
+        return np.asarray(rate * earth.stretch(self.origin, places))
 
 
 @dataclass(frozen=True)
@@ -51,13 +74,22 @@ class Trajectory:
         """Earth-fixed velocity of the antenna, (N, 3)."""
         return _rate(self.position_m, time_s)
 
+    def body_velocity_m_s(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Earth-fixed velocity of the body's point, (N, 3)."""
+        if isinstance(self.body, OnPlane):
+            axes = earth.enu_axes(self.body(time_s))
+            enu = self.body.velocity_enu_m_s(time_s)
+            return np.asarray(np.einsum("nk,nkx->nx", enu, axes))
+        return _rate(self.body, time_s)
+
     def attitude_rad(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
         """Yaw, pitch, roll, (N, 3)."""
         if self.turned is not None:
             return self.turned(time_s)
         axes = earth.enu_axes(self.body(time_s))
-        east, north, _ = np.einsum("nkx,nx->nk", axes, _rate(self.body, time_s)).T
-        moves = np.hypot(east, north) > 1e-3
+        velocity = self.body_velocity_m_s(time_s)
+        east, north, _ = np.einsum("nkx,nx->nk", axes, velocity).T
+        moves = np.hypot(east, north) > _STANDS_M_S
         yaw = np.where(moves, np.arctan2(east, north), 0.0)
         return np.stack([yaw, np.zeros_like(yaw), np.zeros_like(yaw)], axis=-1)
 
@@ -73,9 +105,21 @@ def rotations(attitude_rad: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
-def on_plane(origin: NDArray[np.float64], enu_m: Curve) -> Curve:
-    """Earth-fixed positions of a curve in east, north, up about a place (degrees, m)."""
-    return lambda time_s: geodetic_to_ecef(earth.from_plane(origin, enu_m(time_s)))
+def along(enu_m: Curve, time_s: NDArray[np.float64]) -> Curve:
+    """Level, and along a way on a plane; where it stands, as it came to stand.
+
+    Args:
+        enu_m: The way.
+        time_s: Times (N,) to look at it, ascending.
+    """
+    east, north, _ = _rate(enu_m, time_s, _PLANE_DELTA_S).T
+    moves = np.hypot(east, north) > _STANDS_M_S
+    if not moves.any():
+        return lambda at_s: np.zeros((np.size(at_s), 3))
+    last = np.maximum.accumulate(np.where(moves, np.arange(time_s.size), 0))
+    last = np.where(moves[last], last, np.argmax(moves))
+    yaw = np.unwrap(np.arctan2(east, north)[last])
+    return through(time_s, np.stack([yaw, np.zeros_like(yaw), np.zeros_like(yaw)], axis=-1))
 
 
 def through(time_s: NDArray[np.float64], values: NDArray[np.float64]) -> Curve:
@@ -92,6 +136,8 @@ def through(time_s: NDArray[np.float64], values: NDArray[np.float64]) -> Curve:
     return curve
 
 
-def _rate(curve: Curve, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Central difference: off by (third derivative) 1e-6 s^2 / 6, and by 1e-6 m/s of rounding."""
-    return np.asarray((curve(time_s + _DELTA_S) - curve(time_s - _DELTA_S)) / (2 * _DELTA_S))
+def _rate(
+    curve: Curve, time_s: NDArray[np.float64], delta_s: float = _DELTA_S
+) -> NDArray[np.float64]:
+    """Central difference: off by (third derivative) delta^2 / 6, and by the rounding over delta."""
+    return np.asarray((curve(time_s + delta_s) - curve(time_s - delta_s)) / (2 * delta_s))

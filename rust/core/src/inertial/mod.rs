@@ -2,8 +2,25 @@
 //!
 //! Body axes are forward, right, down; local axes north, east, down (NED). SI units, angles in rad.
 
+pub mod alignment;
+pub mod batch;
+#[cfg(test)]
+pub(crate) mod closed_form;
+pub mod coning;
+pub mod covariance;
+mod draws;
+pub mod earth;
+pub mod ecef;
+pub mod error_model;
+pub mod errors;
+pub mod gravity;
+pub mod ideal;
+pub mod strapdown;
+pub mod tight;
+
 use nalgebra::{UnitQuaternion, Vector3};
 
+pub use self::strapdown::{StateError, Strapdown};
 use crate::nav_math::geodesy::Geodetic;
 
 /// What gyros and accelerometers have summed up over an interval, in body axes.

@@ -1,0 +1,217 @@
+"""From measurements and increments to places, alarms and a verdict.
+
+The filter runs first. The free INS, whose rates are compared with those of carrier phase, starts
+from what the filter knows when it has settled, and its uncertainty then is that of the filter.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sdr_spoof.aiding.imu.grades import DEG_HOUR, DEG_ROOT_HOUR, MICRO_G, named
+from sdr_spoof.aiding.records import InertialStates
+from sdr_spoof.aiding.strapdown import navigate
+from sdr_spoof.aiding.tight import run as run_filter
+from sdr_spoof.aiding.tight.solution import FLOOR
+from sdr_spoof.errors import AidingError
+from sdr_spoof.progress import silent
+from sdr_spoof.scenario.sky.clock import ALLAN
+from sdr_spoof.signals import LIGHT_M_S
+
+from .clocks import on_one_clock
+from .filtered import body_velocity, monitors_of, published_of, three_way, track_of
+from .judge import judge
+from .rates import Rates, examine
+from .start import begin
+
+if TYPE_CHECKING:
+    from sdr_spoof.aiding.error_growth import AlignmentSigma
+    from sdr_spoof.aiding.records import ImuLog, Measurements
+    from sdr_spoof.aiding.tight import TightConfig, TightSolution
+    from sdr_spoof.config import Config
+    from sdr_spoof.nav.time import GnssTime
+    from sdr_spoof.progress import Stages
+
+    from .judge import AidedVerdict
+    from .records import AidedTrack, Monitor
+
+LEAST_CLOCK_M2_S, LEAST_DRIFT_M2_S3 = 1e-3, 1e-6
+"""Of even the best oscillator: what is left of the model's own error."""
+STATES_HZ = 10.0
+"""Rate of the states of the free INS, at least."""
+
+
+@dataclass(frozen=True)
+class Aided:
+    """All that aiding found."""
+
+    verdict: AidedVerdict
+    measurements: Measurements
+    inertial: InertialStates | None
+    """The INS by itself."""
+    track: AidedTrack | None
+    """The filter; None where it could not run."""
+    monitors: tuple[Monitor, ...]
+    """Tests of the filter and of rates, with thresholds and alarms."""
+    residuals: tuple[Monitor, ...]
+    """Rates left over, east, north, up."""
+    risk: float
+    """Probability that an error exceeds its protection level."""
+    published: tuple[Monitor, ...] = ()
+    """The R statistics."""
+    story: tuple[str, ...] = ()
+    """What the filter did, a sentence an event."""
+    three_way: str = ""
+    """The published verdict, in words."""
+
+    @property
+    def reference(self) -> GnssTime:
+        """What times count from."""
+        if self.measurements.reference is None:
+            raise AidingError("the measurements know no GNSS time; give files that do")
+        return self.measurements.reference
+
+    @property
+    def span_s(self) -> tuple[float, float]:
+        """First and last epoch."""
+        times = self.measurements.time_s
+        return float(times[0]), float(times[-1])
+
+    @property
+    def satellites(self) -> int:
+        """How many were measured."""
+        return len(self.measurements.satellites)
+
+
+def aid(measurements: Measurements, log: ImuLog, config: Config, stages: Stages = silent) -> Aided:
+    """Filter, compare, judge.
+
+    Args:
+        measurements: of the receiver.
+        log: increments, by GNSS time.
+        config: its groups ``aided``, ``tight``, ``rate`` and ``detection``.
+        stages: shows progress.
+
+    Raises:
+        AidingError: IMU and GNSS do not overlap, or there is nothing to start with.
+        InertialError: the increments are unusable.
+        ConfigError: a wrong name in the configuration.
+    """
+    config = with_hardware(config)
+    log = on_one_clock(log, measurements)
+    with stages("Aligning"):
+        beginning = begin(log, measurements, config)
+        config = _with_sigma(config, beginning.sigma)
+    with stages("Filtering"):
+        solution = run_filter(log, measurements, beginning.start, config.tight)
+        track = track_of(solution, measurements, config.aided.integrity_risk)
+        tests = monitors_of(solution, config.tight)
+    with stages("Testing rates"):
+        free, rates = _rates(log, measurements, solution, config)
+    verdict = judge(
+        track,
+        (*tests, *rates.monitors),
+        rates.notes,
+        " ".join((FLOOR, *rates.limits)),
+        rates.tests + float(np.isfinite(solution.deviates).sum()),
+        config.aided.min_tested_s,
+    )
+    return Aided(
+        verdict,
+        measurements,
+        free,
+        track,
+        (*tests, *rates.monitors),
+        rates.residuals,
+        config.aided.integrity_risk,
+        published_of(solution, config.tight),
+        (
+            f"{beginning.start.time_s:.1f} s: begins; alignment {beginning.method}",
+            *(f"{e.time_s:.1f} s: {e.words()}" for e in solution.events),
+        ),
+        three_way(solution, config.tight),
+    )
+
+
+def with_hardware(config: Config) -> Config:
+    """The configuration with the noise of a named IMU and oscillator, where it says none itself.
+
+    White frequency noise h0 makes the clock's offset walk by c^2 h0 / 2, random-walk noise h-2 its
+    drift by 2 pi^2 c^2 h-2 (see :mod:`sdr_spoof.scenario.sky.clock`).
+
+    Raises:
+        ConfigError: there is no such grade.
+    """
+    noise, rate = {}, config.rate
+    if config.aided.oscillator:
+        h0, _, h_2 = ALLAN[config.aided.oscillator]
+        noise["clock_m2_s"] = max(0.5 * LIGHT_M_S**2 * h0, LEAST_CLOCK_M2_S)
+        noise["clock_drift_m2_s3"] = max(2 * (math.pi * LIGHT_M_S) ** 2 * h_2, LEAST_DRIFT_M2_S3)
+    if config.aided.grade:
+        grade = named(config.aided.grade)
+        gyro, force = grade.gyro, grade.accelerometer
+        noise["gyro_bias_deg_h"] = math.hypot(gyro.bias, gyro.wander) / DEG_HOUR
+        noise["gyro_walk_deg_sqrt_h"] = gyro.density / DEG_ROOT_HOUR
+        noise["accelerometer_bias_ug"] = math.hypot(force.bias, force.wander) / MICRO_G
+        noise["accelerometer_walk_ug_sqrt_hz"] = force.density / MICRO_G
+        rate = rate.model_copy(update={"grade": grade.name})
+    return config.model_copy(update={"tight": _unless_given(config.tight, noise), "rate": rate})
+
+
+def _unless_given(tight: TightConfig, update: dict[str, float]) -> TightConfig:
+    """What the configuration says itself stays."""
+    own = tight.model_fields_set
+    return tight.model_copy(update={k: v for k, v in update.items() if k not in own})
+
+
+def _with_sigma(config: Config, sigma: AlignmentSigma | None) -> Config:
+    """The configuration with what an alignment says of its errors, where none is given."""
+    if sigma is None:
+        return config
+    found = {
+        "start_position_m": max(sigma.position_m),
+        "start_velocity_m_s": max(sigma.velocity_m_s),
+        "start_level_deg": math.degrees(max(sigma.attitude_rad[:2])),
+        "start_heading_deg": math.degrees(sigma.attitude_rad[2]),
+    }
+    update = {name: max(v, 1e-3) for name, v in found.items()}
+    return config.model_copy(update={"tight": _unless_given(config.tight, update)})
+
+
+def _rates(
+    log: ImuLog, measurements: Measurements, solution: TightSolution, config: Config
+) -> tuple[InertialStates | None, Rates]:
+    """The free INS from the filter's first settled epoch on, and the tests with it."""
+    begins = solution.time_s[int(np.argmax(solution.valid))]
+    settled = solution.valid & (solution.time_s >= begins + config.tight.settle_s)
+    if not settled.any() or not config.aided.detectors:
+        note = f"rates: the filter has not settled within {config.tight.settle_s:g} s"
+        return None, Rates((), (), (note,), (), 0.0)
+    row = int(np.argmax(settled))
+    one = slice(row, row + 1)
+    begin = InertialStates(
+        log.reference,
+        solution.time_s[one],
+        solution.position_m[one],
+        body_velocity(solution)[one],
+        solution.attitude_rad[one],
+        np.zeros(1),
+    )
+    every = max(1, round(1.0 / (STATES_HZ * log.interval_s)))
+    free = navigate(log, begin, every=every)
+    sigma = np.sqrt(np.diagonal(solution.covariance[row], axis1=1, axis2=2))
+    known = {
+        "align_position_m": float(sigma[0].max()),
+        "align_velocity_m_s": float(sigma[1].max()),
+        "align_level_deg": float(np.degrees(sigma[2, :2].max())),
+        "align_heading_deg": float(np.degrees(sigma[2, 2])),
+    }
+    given = config.rate.model_fields_set
+    update = {name: value for name, value in known.items() if name not in given}
+    rate = config.rate.model_copy(update=update)
+    covered = measurements.part(row, measurements.time_s.size)
+    return free, examine(covered, free, config.model_copy(update={"rate": rate}))

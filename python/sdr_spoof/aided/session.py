@@ -1,0 +1,166 @@
+"""From files to what aiding finds, and to files again."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sdr_spoof.aiding import measurements
+from sdr_spoof.aiding.imu.readers import read_imu
+from sdr_spoof.errors import AidingError
+from sdr_spoof.nav.broadcast import Contents
+from sdr_spoof.nav.rinex_nav import read_navigation
+from sdr_spoof.nav.store import Store
+from sdr_spoof.nav.time import GnssTime
+from sdr_spoof.progress import silent
+from sdr_spoof.sources.observed import open_observations
+
+from .files import write_csv, write_hdf5
+from .run import Aided, aid
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from sdr_spoof.aiding.records import Measurements
+    from sdr_spoof.config import Config
+    from sdr_spoof.progress import Stages
+    from sdr_spoof.sources.observed import Observed
+
+
+@dataclass(frozen=True)
+class Session:
+    """What aiding found, and what it was made from."""
+
+    aided: Aided
+    names: tuple[str, str]
+    """Of the observations and of the IMU's log."""
+    truth_m: NDArray[np.float64] | None = None
+    """True antenna at the epochs (E, 3)."""
+    notes: tuple[str, ...] = ()
+    """What the files said, a sentence each."""
+
+    @property
+    def error_m(self) -> dict[str, float] | None:
+        """Largest distance from the truth, aided and by GNSS alone; None where it is unknown."""
+        track = self.aided.track
+        if self.truth_m is None or track is None:
+            return None
+        places = {"aided": track.position_m, "gnss_alone": track.alone_m}
+        return {
+            name: float(np.nanmax(np.linalg.norm(place - self.truth_m, axis=1)))
+            for name, place in places.items()
+        }
+
+    def write(self, out: Path, config: Config, *, force: bool = False) -> None:
+        """Write report, HDF5 and CSV into a folder.
+
+        Raises:
+            OutputError: one exists and ``force`` is not set, or cannot be written.
+        """
+        from sdr_spoof.report.aided import write_aided_report  # noqa: PLC0415
+
+        plain = config.model_dump(mode="json")
+        write_hdf5(out / "aided.h5", self.aided, plain, force=force)
+        if self.aided.track is not None:
+            write_csv(out / "aided.csv", self.aided.track, force=force)
+        write_aided_report(
+            out / "aided.html",
+            self.aided,
+            names=self.names,
+            config=plain,
+            truth_m=self.truth_m,
+            force=force,
+        )
+
+
+def open_session(
+    observations: Path,
+    imu: Path,
+    config: Config,
+    *,
+    truth: Path | None = None,
+    stages: Stages = silent,
+) -> Session:
+    """Read both files and run everything.
+
+    Raises:
+        ObservationError, RecordingError, NavigationError, AidingError, InertialError: a file is
+            wrong, or files do not go together; the message says what to do.
+    """
+    with stages("Reading"):
+        observed = open_observations(observations)
+    return session_of(
+        observed,
+        imu,
+        config,
+        name=observations.name,
+        truth=truth,
+        stages=stages,
+    )
+
+
+def session_of(
+    observed: Observed,
+    imu: Path,
+    config: Config,
+    *,
+    name: str,
+    truth: Path | None = None,
+    stages: Stages = silent,
+) -> Session:
+    """As :func:`open_session`, of observations at hand."""
+    with stages("Measurements"):
+        read = read_imu(imu, config.imu)
+        contents, notes = _navigation(observed, config)
+        measured = measurements.of(
+            observed.observations, contents, config.pvt, lever_arm_m=config.imu.lever_arm_m
+        )
+    found = aid(measured, read.log, config, stages)
+    known = None if truth is None else true_places(truth, measured)
+    return Session(found, (name, imu.name), known, (*observed.notes, *read.notes, *notes))
+
+
+def _navigation(observed: Observed, config: Config) -> tuple[Store, tuple[str, ...]]:
+    """What was received, and the files.
+
+    Raises:
+        AidingError: there are no orbits at all.
+    """
+    files = [read_navigation(path) for path in config.navigation.files]
+    parts = [observed.navigation or Contents(), *files]
+    if not any(part.ephemerides for part in parts):
+        raise AidingError(
+            "there are no orbits of the satellites; give a RINEX navigation file of the same day "
+            "with --nav"
+        )
+    return Store(*parts), tuple(note for file in files for note in file.notes)
+
+
+def true_places(path: Path, measured: Measurements) -> NDArray[np.float64]:
+    """True antenna at the epochs, from the truth beside a synthesised recording (E, 3).
+
+    Raises:
+        AidingError: it is no such file, or it is of another time.
+    """
+    try:
+        told = json.loads(path.read_text(encoding="utf-8"))
+        time_s = np.asarray(told["time_s"], np.float64)
+        sky = told["sky"]
+        places = np.asarray(sky["receiver"]["position_m"], np.float64)
+        start = GnssTime(int(sky["start"]["gpst_s"]), float(sky["start"]["gpst_fraction_s"]))
+        clock_s = np.asarray(sky["receiver"]["clock_s"], np.float64)
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise AidingError(
+            f"{path}: is no truth of a scenario with a [sky] ({error}); leave --truth out"
+        ) from error
+    assert measured.reference is not None
+    at_s = measured.time_s + (measured.reference - start)
+    middle = places.mean(axis=0)
+    known = [np.interp(at_s, time_s - clock_s, x) for x in (places - middle).T]
+    inside = (at_s > time_s[0] - 1.0) & (at_s < time_s[-1] + 1.0)
+    return np.where(inside[:, None], np.stack(known, axis=-1) + middle, np.nan)

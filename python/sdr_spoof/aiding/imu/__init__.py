@@ -1,0 +1,1 @@
+"""Inertial sensors: their errors, what they sense along a trajectory, and files of them."""

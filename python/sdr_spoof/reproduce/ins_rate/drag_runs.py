@@ -1,0 +1,163 @@
+"""Drags on random flights through the strapdown computer, and the search for them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.stats import chi2
+
+from sdr_spoof.aiding import strapdown
+from sdr_spoof.aiding.detectors import budget, growth, rate_drag
+from sdr_spoof.aiding.detectors.changes import at_states
+from sdr_spoof.aiding.detectors.drag_filter import Displacements, search
+from sdr_spoof.aiding.imu.simulate import ideal_increments, true_states
+from sdr_spoof.aiding.rate_config import RateConfig
+from sdr_spoof.scenario.sky import earth
+
+from . import published
+from .flights import BETWEEN_S, flight
+from .simulated import dilution
+from .strapdown_runs import RATE_HZ, imu
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from sdr_spoof.aiding.strapdown import RunStates
+
+    Floats = NDArray[np.float64]
+
+CARRIER_M = 0.005
+FIRST_S, LAST_S = 10, 1740
+"""Drags begin between; the search tests from 5 s on."""
+PATIENCE_S = 60
+"""What is not found by then is missed."""
+LEVELS_PER_HOUR = (3.6, 1.0, 0.1, 0.01)
+TURNING_RAD = 0.02
+"""Change of heading over a second above which a flight turns."""
+PERFECT = {"align_velocity_m_s": 0.001, "align_level_deg": 1e-4, "align_heading_deg": 1e-4}
+"""As published: aligned perfectly, as good as; position to 3 m."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is flown."""
+
+    grade: str
+    drags_m_s: tuple[float, ...]
+    """Each with as many runs as there are onsets."""
+    imus: int
+    """IMUs of the grade on each flight."""
+    onsets: int
+    """Runs for each IMU and drag, with onsets and directions of their own."""
+    flight: int
+    between_s: float = BETWEEN_S
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Of one flight."""
+
+    hours: float
+    """Clean, tested."""
+    alarms: tuple[int, ...]
+    """Clean alarms at ``LEVELS_PER_HOUR``; those within an onset window count once."""
+    delay_s: Floats
+    """From onset to alarm at the default threshold, infinite if missed, (IMUs, drags, runs)."""
+    early: int
+    """Alarms before the drag, of all attacked runs."""
+    turning: NDArray[np.bool_]
+    """Whether the flight turned at the onset, (IMUs, drags, runs)."""
+    onset_s: Floats
+
+
+def fly(case: Case, seed: int) -> Outcome:
+    """One flight with all its runs."""
+    config = RateConfig(grade=case.grade, carrier_sigma_m=CARRIER_M, **PERFECT)
+    way = flight(case.flight, case.between_s)
+    log = ideal_increments(way, published.DURATION_S, RATE_HZ)
+    errors = [imu(case.grade, case.flight * case.imus + run, seed) for run in range(case.imus)]
+    states = strapdown.navigate_runs(log, true_states(way, np.zeros(1)), errors, every=RATE_HZ)
+    true = true_states(way, states.time_s)
+    rng = np.random.default_rng([seed, case.flight])
+    axes = earth.enu_axes(true.position_m)
+    clean = (
+        _noise(rng, axes, (case.imus, case.onsets)) - (states.position_m - true.position_m)[:, None]
+    )
+    quiet = _searched(states, clean, axes, config)
+    attacked, onset = _attacked(rng, clean, axes, case.drags_m_s)
+    found = _searched(states, attacked, axes, config)
+    delay, early = _delays(found, onset, rate_drag.threshold(config, 1.0))
+    heading = np.unwrap(true.attitude_rad[:, 0])
+    turning = np.abs(np.gradient(heading)) > TURNING_RAD
+    window = round(config.onset_window_s)
+    return Outcome(
+        float(np.isfinite(quiet).sum() / 3600),
+        tuple(_clumps(quiet, level, window) for level in _levels()),
+        delay,
+        early,
+        turning[onset],
+        onset.astype(float),
+    )
+
+
+def _levels() -> list[float]:
+    return [float(chi2.isf(h / 3600 / rate_drag.INDEPENDENT, 3)) for h in LEVELS_PER_HOUR]
+
+
+def _noise(rng: np.random.Generator, axes: Floats, runs: tuple[int, int]) -> Floats:
+    """Noise of resolved phases, Earth-fixed, (IMUs, runs, M, 3)."""
+    root = np.linalg.cholesky(dilution()) * CARRIER_M
+    local = rng.standard_normal((*runs, len(axes), 3)) @ root.T
+    return np.asarray(np.einsum("mij,krmi->krmj", axes, local))
+
+
+def _attacked(
+    rng: np.random.Generator, clean: Floats, axes: Floats, drags: tuple[float, ...]
+) -> tuple[Floats, NDArray[np.int64]]:
+    """The same runs with each drag, in random horizontal directions, and where they begin."""
+    shape = (len(clean), len(drags), clean.shape[1])
+    onset = rng.integers(FIRST_S, LAST_S, shape)
+    angle = rng.uniform(0.0, 2 * np.pi, shape)
+    local = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=-1)
+    local *= np.array(drags)[:, None, None]
+    drag = np.einsum("kdrij,kdri->kdrj", axes[onset], local)
+    since = np.clip(np.arange(len(axes)) - onset[..., None], 0, None)
+    runs = clean[:, None] + since[..., None] * drag[..., None, :]
+    return runs.reshape(len(clean), -1, len(axes), 3), onset
+
+
+def _searched(states: RunStates, position: Floats, axes: Floats, config: RateConfig) -> Floats:
+    """GNSS minus INS positions (IMUs, R, M, 3) through the filter, as the detector does it."""
+    time_s = states.time_s
+    steps = growth.steps(at_states(states), time_s, budget.of(config))
+    phase = np.swapaxes(axes, 1, 2) @ (dilution() * CARRIER_M**2) @ axes
+    given = Displacements(
+        time_s,
+        np.diff(position, axis=2, prepend=position[:, :, :1]),
+        np.broadcast_to(phase, (len(position), *phase.shape)),
+        np.arange(time_s.size) == 1,
+        np.arange(time_s.size) > 0,
+        np.ones(time_s.size, bool),
+    )
+    return search(given, steps, round(config.onset_window_s)).statistic
+
+
+def _clumps(statistic: Floats, level: float, window: int) -> int:
+    """Alarms, those within a window of another one counted once."""
+    above = (np.nan_to_num(statistic) > level).reshape(-1, statistic.shape[-1])
+    total = np.cumsum(above, axis=1)
+    before = np.pad(total, ((0, 0), (window + 1, 0)))[:, : total.shape[1]]
+    last = np.pad(total, ((0, 0), (1, 0)))[:, : total.shape[1]]
+    return int((above & (last == before)).sum())
+
+
+def _delays(statistic: Floats, onset: NDArray[np.int64], level: float) -> tuple[Floats, int]:
+    above = np.nan_to_num(statistic).reshape(*onset.shape, -1) > level
+    second = np.arange(above.shape[-1])
+    early = (above & (second <= onset[..., None])).any(axis=-1)
+    after = (second > onset[..., None]) & (second <= onset[..., None] + PATIENCE_S)
+    hit = above & after
+    delay = np.where(hit.any(axis=-1), hit.argmax(axis=-1) - onset, np.inf)
+    return delay, int(early.sum())

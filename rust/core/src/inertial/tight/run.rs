@@ -1,0 +1,323 @@
+//! A whole recording: increments and epochs in, a row an epoch out.
+
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+use super::guard::Rules;
+use super::navigator::{Epoch, Navigator};
+use super::output::Output;
+use super::settings::Settings;
+use super::supervisor::Supervisor;
+use crate::inertial::errors::{ErrorStream, ImuErrors};
+use crate::inertial::{Increment, NavState};
+use crate::{Error, Result};
+
+/// Increments of an IMU.
+#[derive(Debug, Clone, Copy)]
+pub struct ImuLog<'a> {
+    /// End of each interval, ascending, s.
+    pub time: &'a [f64],
+    /// Nominal length of one, s.
+    pub interval: f64,
+    /// rad.
+    pub rotation: &'a [[f64; 3]],
+    /// m/s.
+    pub velocity: &'a [[f64; 3]],
+}
+
+/// What all runs share of their epochs: (E, S) row by row.
+#[derive(Debug, Clone, Copy)]
+pub struct Sky<'a> {
+    /// s, ascending (E).
+    pub time: &'a [f64],
+    /// Number of the system of each satellite (S).
+    pub system: &'a [usize],
+    /// m.
+    pub place: &'a [[f64; 3]],
+    /// m/s.
+    pub velocity: &'a [[f64; 3]],
+    /// dB-Hz.
+    pub cn0: &'a [f64],
+    /// Called spoofed by the receiver.
+    pub spoofed: &'a [bool],
+}
+
+/// Measurements of one run: (E, S) row by row.
+#[derive(Debug, Clone, Copy)]
+pub struct Measured<'a> {
+    /// m.
+    pub range: &'a [f64],
+    /// m/s.
+    pub rate: &'a [f64],
+    /// m.
+    pub change: &'a [f64],
+}
+
+/// One run.
+#[derive(Debug, Clone, Copy)]
+pub struct Run<'a> {
+    /// What it starts from.
+    pub start: NavState,
+    /// What is added to the increments; `None`: nothing.
+    pub errors: Option<(ImuErrors, u64)>,
+    /// Its measurements.
+    pub measured: Measured<'a>,
+}
+
+/// Longest step of the filter, s.
+const STEP: f64 = 1.0;
+/// Times that differ by less are the same, s.
+const SAME: f64 = 1e-6;
+/// What an unmeasured second makes uncertain: attitude in rad, velocity in m/s.
+const BLIND: [f64; 2] = [0.05, 1.0];
+
+impl<'a> Sky<'a> {
+    fn satellites(&self) -> usize {
+        self.system.len()
+    }
+
+    fn epoch(&self, e: usize, m: &Measured<'a>) -> Epoch<'a> {
+        let row = e * self.satellites()..(e + 1) * self.satellites();
+        Epoch {
+            time: self.time[e],
+            place: &self.place[row.clone()],
+            velocity: &self.velocity[row.clone()],
+            range: &m.range[row.clone()],
+            rate: &m.rate[row.clone()],
+            change: &m.change[row.clone()],
+            cn0: &self.cn0[row.clone()],
+            spoofed: &self.spoofed[row],
+            system: self.system,
+        }
+    }
+
+    fn check(&self, runs: &[Run<'_>]) -> Result<()> {
+        let cells = self.time.len() * self.satellites();
+        let fits = |n: usize| n == cells;
+        let shared = [
+            self.place.len(),
+            self.velocity.len(),
+            self.cn0.len(),
+            self.spoofed.len(),
+        ];
+        let own =
+            |r: &Run<'_>| [r.measured.range, r.measured.rate, r.measured.change].map(<[f64]>::len);
+        if !shared.into_iter().all(fits) || !runs.iter().all(|r| own(r).into_iter().all(fits)) {
+            return Err(Error::Invalid(
+                "epochs and satellites do not fit together".into(),
+            ));
+        }
+        if self.satellites() > 64 {
+            return Err(Error::Invalid("more than 64 satellites".into()));
+        }
+        Ok(())
+    }
+}
+
+/// Navigates every run from `start_time` on; runs go side by side, each by itself.
+#[allow(clippy::too_many_arguments)]
+pub fn navigate(
+    log: ImuLog<'_>,
+    sky: Sky<'_>,
+    runs: &[Run<'_>],
+    start_time: f64,
+    settings: &Settings,
+    rules: Rules,
+    detailed: bool,
+    threads: usize,
+) -> Result<Vec<Output>> {
+    sky.check(runs)?;
+    if log.rotation.len() != log.time.len() || log.velocity.len() != log.time.len() {
+        return Err(Error::Invalid("increments differ in number".into()));
+    }
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|e| Error::Invalid(e.to_string()))?;
+    let one = |run: &Run<'_>| {
+        let mut pilot = Pilot::new(log, run, start_time, settings, rules, &sky, detailed);
+        pilot.fly(&sky, &run.measured);
+        pilot.supervisor.output
+    };
+    Ok(pool.install(|| runs.par_iter().map(one).collect()))
+}
+
+/// One run on its way.
+struct Pilot<'a> {
+    log: ImuLog<'a>,
+    errors: Option<ErrorStream>,
+    settings: &'a Settings,
+    navigator: Navigator,
+    supervisor: Supervisor,
+    now: f64,
+    next: usize,
+    /// The increment that is being used, with its errors.
+    current: Option<Increment>,
+    /// Rates of the last one, for gaps.
+    last: Increment,
+    detailed: bool,
+}
+
+impl<'a> Pilot<'a> {
+    fn new(
+        log: ImuLog<'a>,
+        run: &Run<'_>,
+        start: f64,
+        settings: &'a Settings,
+        rules: Rules,
+        sky: &Sky<'_>,
+        detailed: bool,
+    ) -> Self {
+        let systems = sky.system.iter().max().map_or(1, |m| m + 1);
+        let navigator = Navigator::new(run.start, settings, sky.satellites(), systems);
+        let supervisor = Supervisor::new(
+            settings,
+            rules,
+            &navigator,
+            start,
+            sky.time,
+            sky.satellites(),
+            detailed,
+        );
+        let mut errors = run.errors.map(|(e, number)| ErrorStream::new(&e, number));
+        let next = log.time.partition_point(|&t| t <= start + SAME);
+        if let Some(stream) = &mut errors {
+            stream.skip(next, log.interval);
+        }
+        let still = Increment {
+            rotation: Vector3::zeros(),
+            velocity: -(run.start.attitude.inverse() * Vector3::new(0.0, 0.0, 9.81)) * log.interval,
+            interval: log.interval,
+        };
+        Pilot {
+            log,
+            errors,
+            settings,
+            navigator,
+            supervisor,
+            now: start,
+            next,
+            current: None,
+            last: still,
+            detailed,
+        }
+    }
+
+    fn fly(&mut self, sky: &Sky<'_>, measured: &Measured<'_>) {
+        let mut before: Option<usize> = None;
+        let begin = self.now;
+        for e in 0..sky.time.len() {
+            let time = sky.time[e];
+            let usable = time.is_finite() && time >= begin - SAME;
+            if !usable || !self.advance_to(time) {
+                self.supervisor
+                    .output
+                    .push_nothing(sky.satellites(), self.detailed);
+                continue;
+            }
+            self.propagate();
+            let past = before.map(|b| sky.epoch(b, measured));
+            let epoch = sky.epoch(e, measured);
+            self.supervisor
+                .epoch(&mut self.navigator, &epoch, past.as_ref());
+            before = Some(e);
+        }
+    }
+
+    /// Moves the navigator to a time; false where the log has ended before.
+    fn advance_to(&mut self, time: f64) -> bool {
+        while self.now < time - SAME {
+            if self.current.is_none() && !self.load() {
+                return false;
+            }
+            let end = self.log.time[self.next];
+            let begin = end - self.log.interval;
+            let gap = begin - self.now;
+            if gap > 0.5 * self.log.interval {
+                self.bridge(gap.min(time - self.now).min(STEP));
+            } else {
+                self.use_part(end, time);
+            }
+            if self.navigator.elapsed() >= STEP - SAME {
+                self.propagate();
+            }
+        }
+        true
+    }
+
+    /// The next increment that can be read.
+    fn load(&mut self) -> bool {
+        while self.next < self.log.time.len() {
+            let k = self.next;
+            let mut raw = Increment {
+                rotation: self.log.rotation[k].into(),
+                velocity: self.log.velocity[k].into(),
+                interval: self.log.interval,
+            };
+            if let Some(stream) = &mut self.errors {
+                stream.apply(&mut raw);
+            }
+            let sum = raw.rotation.sum() + raw.velocity.sum();
+            if sum.is_finite() && self.log.time[k] > self.now {
+                self.current = Some(raw);
+                return true;
+            }
+            self.next += 1;
+        }
+        false
+    }
+
+    /// As much of the current increment as fits before `time`.
+    #[inline]
+    fn use_part(&mut self, end: f64, time: f64) {
+        let Some(raw) = self.current else { return };
+        let whole = end <= time + SAME;
+        let until = if whole { end } else { time };
+        let length = until - self.now;
+        let share = length / self.log.interval;
+        let part = if whole && (share - 1.0).abs() < 0.01 {
+            Increment {
+                interval: length,
+                ..raw
+            }
+        } else {
+            Increment {
+                rotation: raw.rotation * share,
+                velocity: raw.velocity * share,
+                interval: length,
+            }
+        };
+        self.navigator.advance(&part);
+        self.now = until;
+        if whole {
+            self.last = raw;
+            self.current = None;
+            self.next += 1;
+        }
+    }
+
+    /// A gap: the last rates go on, with what nobody measured as uncertainty.
+    fn bridge(&mut self, length: f64) {
+        let share = length / self.log.interval;
+        let held = Increment {
+            rotation: self.last.rotation * share,
+            velocity: self.last.velocity * share,
+            interval: length,
+        };
+        let worse = if length > self.settings.bridge {
+            4.0
+        } else {
+            1.0
+        };
+        let [turn, speed] = BLIND.map(|b| b * length * worse);
+        self.navigator.bridge(&held, turn, speed);
+        self.now += length;
+    }
+
+    fn propagate(&mut self) {
+        if self.navigator.elapsed() > 0.0 {
+            let step = self.navigator.predict();
+            self.supervisor.predict(&step);
+        }
+    }
+}
