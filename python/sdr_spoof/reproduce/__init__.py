@@ -11,13 +11,15 @@ from pathlib import Path
 from sdr_spoof.errors import ConfigError
 from sdr_spoof.progress import Stages, silent
 
-from . import array, combo
+from . import array, combo, ins_rate
 from .output import check_folder, summary, write
 from .study import Effort, Reproduction, Study
 
 __all__ = ["STUDIES", "Effort", "Reproduction", "Study", "find", "reproduce", "summary"]
 
-STUDIES: dict[str, Study] = {study.name: study for study in (combo.STUDY, array.STUDY)}
+STUDIES: dict[str, Study] = {
+    study.name: study for study in (combo.STUDY, array.STUDY, ins_rate.STUDY)
+}
 """Every study, by name."""
 
 
