@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from .acquisition import AcquisitionConfig
 from .aided.config import AidedConfig
+from .aiding.array.config import ArrayConfig
 from .aiding.imu.config import ImuConfig
 from .aiding.rate_config import RateConfig
 from .aiding.tight.config import TightConfig
@@ -67,6 +68,9 @@ class Config(BaseModel):
     )
     tight: TightConfig = Field(
         default_factory=TightConfig, description="tightly coupled filter of GNSS and INS"
+    )
+    array: ArrayConfig = Field(
+        default_factory=ArrayConfig, description="directions by an array of antennas"
     )
     aided: AidedConfig = Field(
         default_factory=AidedConfig, description="aided navigation as a whole"

@@ -18,7 +18,7 @@ from .records import ComboTrack, SignalTrack, TrackLog
 from .row_store import RowStore
 from .scenario import transmissions
 from .sources import RecordingFormat
-from .tracking import TrackingConfig, core_settings, watched
+from .tracking import TrackingConfig, breaks_of, core_settings, watched
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -38,6 +38,7 @@ def simulate(
     *,
     isolations: Sequence[Isolation] = (),
     monitor: Monitor | None = None,
+    gaps: Sequence[tuple[float, float]] = (),
     seed: int | None = None,
     threads: int = 1,
     rows_in: Path | None = None,
@@ -54,6 +55,7 @@ def simulate(
         config: loop settings.
         isolations: signals that are not to be trusted, and when.
         monitor: asked at each whole second which signals are captured (``config.fallback``).
+        gaps: where samples are missing, and how many: time in the recording and length, s.
         seed: of noise and all random choices; replaces ``scenario.recording.seed``.
         threads: worker threads; the result does not depend on it.
         rows_in: folder for a temporary file that holds the rows, as in :func:`sdr_spoof.track`.
@@ -69,13 +71,14 @@ def simulate(
         plan = scenario.recording.model_copy(update={"seed": seed})
         scenario = scenario.model_copy(update={"recording": plan})
     plan = scenario.recording
-    simulator = core_simulator(scenario, config or TrackingConfig(), threads)
+    simulator = core_simulator(scenario, config or TrackingConfig(), threads, gaps)
     rows = RowStore(rows_in)
     config, rate = config or TrackingConfig(), plan.sample_rate_hz
     step = max(1, round((_ROWS_S if monitor is None else 1.0) * rate))
     marks = isolation_marks(isolations, plan.sample_rate_hz)
-    ends = {*range(step, plan.sample_count, step), *(at for at, _ in marks), plan.sample_count}
-    for end in sorted(end for end in ends if end <= plan.sample_count):
+    count = plan.sample_count - round(sum(missing_s for _, missing_s in gaps) * rate)
+    ends = {*range(step, count, step), *(at for at, _ in marks), count}
+    for end in sorted(end for end in ends if end <= count):
         simulator.advance(end)
         while marks and marks[0][0] <= end:
             marks.pop(0)[1](simulator)
@@ -90,10 +93,16 @@ def simulate(
         partial=False,
         signals=rows.tracks(SignalTrack),
         combos=rows.tracks(ComboTrack),
+        breaks=breaks_of(simulator),
     )
 
 
-def core_simulator(scenario: Scenario, config: TrackingConfig, threads: int) -> _core.Simulator:
+def core_simulator(
+    scenario: Scenario,
+    config: TrackingConfig,
+    threads: int,
+    gaps: Sequence[tuple[float, float]] = (),
+) -> _core.Simulator:
     """The core's part, which runs as far as it is told to and hands its rows out."""
     plan, on_air = scenario.recording, transmissions(scenario)
     try:
@@ -111,6 +120,7 @@ def core_simulator(scenario: Scenario, config: TrackingConfig, threads: int) -> 
             filter_taps=plan.filter_taps,
             reacquire=config.reacquire,
             threads=threads,
+            gaps=sorted(gaps),
         )
     except ValueError as error:
         raise ConfigError(str(error)) from error

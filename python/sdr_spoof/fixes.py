@@ -29,7 +29,8 @@ class Status(IntEnum):
     SUSPECT = 2
     """They are not, and leaving satellites out does not explain it: do not trust the position."""
     UNCHECKED = 3
-    """There was no satellite more than needed, so that a wrong one would not show."""
+    """Nothing would show if it were wrong: there was no satellite more than needed, or time and
+    orbits come from the user alone, so that a sky turned as a whole would agree with itself."""
 
 
 class Cause(IntEnum):

@@ -213,6 +213,18 @@ class SecondPeak:
 
 
 @dataclass(frozen=True)
+class CountBreak:
+    """The code periods of a signal that went on were miscounted: samples are missing."""
+
+    signal: str
+    prn: int
+    from_s: float
+    """When the count was right for the last time."""
+    until_s: float
+    """When it was found to be wrong, and symbols and secondary code were searched for anew."""
+
+
+@dataclass(frozen=True)
 class TrackLog:
     """Everything that tracking found in a recording."""
 
@@ -226,6 +238,7 @@ class TrackLog:
     combos: tuple[ComboTrack, ...]
     second_peaks: tuple[SecondPeak, ...] = ()
     """Searches for second signals of the tracked satellites, where there were any."""
+    breaks: tuple[CountBreak, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from .acquisition import AcquisitionConfig, acquire
 from .errors import ConfigError, RecordingError
 from .interrupt import held_back
 from .isolation import isolation_marks
-from .records import Acquisition, ComboTrack, SignalTrack, TrackLog
+from .records import Acquisition, ComboTrack, CountBreak, SignalTrack, TrackLog
 from .row_store import RowStore
 from .signals import coherent_pairs, signal_spec
 
@@ -167,7 +167,14 @@ def track(
         partial=partial,
         signals=rows.tracks(SignalTrack),
         combos=rows.tracks(ComboTrack),
+        breaks=breaks_of(tracker),
     )
+
+
+def breaks_of(tracker: _core.Tracker | _core.Simulator) -> tuple[CountBreak, ...]:
+    """Where counts of code periods broke, in order of their ends."""
+    found = (CountBreak(*taken) for taken in tracker.take_breaks())
+    return tuple(sorted(found, key=lambda b: (b.until_s, b.signal, b.prn)))
 
 
 def watched(

@@ -18,6 +18,7 @@ from commands import failing
 
 from sdr_spoof import simulate
 from sdr_spoof.cli import main
+from sdr_spoof.cli.fix import NO_FIX
 from sdr_spoof.fixes import Status
 from sdr_spoof.nav.ephemeris import Ephemeris
 from sdr_spoof.nav.geodesy import enu, geodetic_to_ecef
@@ -61,6 +62,7 @@ class Told:
     """Of each fix that is not called suspect."""
     fixes: int
     suspect: int
+    unchecked: int
     notes: str
     satellites: tuple[str, ...]
 
@@ -107,8 +109,11 @@ def fix(tmp_path, capsys):
         flags = [word for flag, v in given.items() if v is not None for word in (flag, str(v))]
         words = ["fix", str(path), *flags, *more, "--rate", "10", "--json", "--format", "hdf5"]
         capsys.readouterr()
-        assert main([*words, "-o", str(tmp_path / "out"), "--force"]) == 0
-        position = json.loads(capsys.readouterr().out)["position"]
+        code = main([*words, "-o", str(tmp_path / "out"), "--force"])
+        said = capsys.readouterr()
+        position = json.loads(said.out)["position"]
+        assert code == (0 if position["fixes"] else NO_FIX)
+        assert ("No position: " in said.err) == (code == NO_FIX)
         fixes = read_result(tmp_path / "out/fixes.h5").fixes
         assert fixes is not None
         good = fixes.fixed & (fixes.status != Status.SUSPECT)
@@ -118,6 +123,7 @@ def fix(tmp_path, capsys):
             else np.zeros(0),
             position["fixes"],
             position["suspect"],
+            position["unchecked"],
             "\n".join(position["notes"]),
             tuple(position["satellites"]),
         )
@@ -178,6 +184,24 @@ def test_a_file_of_another_day(fix, tracks, tmp_path, days):
 def test_old_orbits_with_a_new_date(fix, tracks, tmp_path):
     """Orbits of two hours before, said to be of now."""
     told = fix(tracks, nav=nav_file(tmp_path / "a.rnx", lambda e: later(e, 1 / 12)))
+    assert told.fixes == told.suspect
+    assert "farther off than said" in told.notes
+
+
+def turned(e: Ephemeris) -> Ephemeris:
+    """About the Earth's axis, by 94 km at this latitude."""
+    return replace(e, omega0=e.omega0 + 0.0172)
+
+
+def test_a_sky_turned_as_a_whole_is_never_called_checked(fix, tracks, tmp_path):
+    """Nothing in the recording contradicts it but the place given, if that is known well enough."""
+    file = nav_file(tmp_path / "a.rnx", turned)
+    told = fix(tracks, nav=file)
+    assert told.errors_m.min() > 90e3
+    assert told.unchecked + told.suspect == told.fixes > 0
+    assert "no message confirms time and orbits" in told.notes
+    assert "km from the place given, which may be 100 km off" in told.notes
+    told = fix(tracks, "--pvt-place-uncertainty-m", "50e3", nav=file)
     assert told.fixes == told.suspect
     assert "farther off than said" in told.notes
 

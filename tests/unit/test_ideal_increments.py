@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter
 
+from sdr_spoof.aiding import strapdown
 from sdr_spoof.aiding.imu.simulate import ideal_increments, true_states
 from sdr_spoof.errors import ConfigError
 from sdr_spoof.nav.geodesy import geodetic_to_ecef
@@ -81,3 +82,30 @@ def test_true_states_are_of_the_body() -> None:
     assert np.linalg.norm(away, axis=1) == pytest.approx(np.full(2, math.sqrt(5)))
     speed = np.linalg.norm(states.velocity_m_s, axis=1)
     assert speed == pytest.approx(np.full(2, 30.0), rel=1e-4)
+
+
+@pytest.mark.parametrize("mechanisation", ["local", "earth-fixed"])
+@pytest.mark.parametrize(
+    "receiver",
+    [
+        {"kind": "vehicle", "seed": 3, **PLACE},
+        {"kind": "uav", "seed": 3},
+        {"kind": "ship", "seed": 3, "sea_state": 6, **PLACE},
+        {"kind": "circle", "radius_m": 500.0, "speed_m_s": 20.0, **PLACE},
+    ],
+    ids=lambda r: str(r["kind"]),
+)
+def test_a_strapdown_computer_comes_back_to_the_trajectory(
+    receiver: dict[str, object], mechanisation: strapdown.Mechanisation
+) -> None:
+    """Half an hour at 100 Hz: the limits are those of the study of pseudorange rates."""
+    t = made(1750.0, **receiver)
+    log = ideal_increments(t, 1750.0, 100.0)
+    truth = true_states(t, np.array([0.0, 1750.0]))
+    got = strapdown.navigate(
+        log, strapdown.row(truth, 0), every=len(log.time_s), mechanisation=mechanisation
+    )
+    assert np.linalg.norm(got.position_m[-1] - truth.position_m[-1]) < 0.05
+    assert np.linalg.norm(got.velocity_m_s[-1] - truth.velocity_m_s[-1]) < 1e-4
+    turned = got.attitude_rad[-1] - truth.attitude_rad[-1]
+    assert np.abs(np.angle(np.exp(1j * turned))).max() < 1e-7

@@ -226,12 +226,17 @@ def test_dropped_samples_give_a_new_anchor() -> None:
 
 
 @pytest.mark.parametrize(("message", "prn"), [("D2", 3), ("LNAV", 12)])
-def test_after_dropped_samples_plain_codes_tell_no_exact_time(message, prn) -> None:
+def test_whole_symbols_dropped_from_plain_codes(message, prn) -> None:
+    """The tracker sees where their symbols begin, so that the time after the jump is exact."""
     start = FRAME_START if message != "LNAV" else FRAME_START + -14.0
     run = _with_gap(air(message, prn, start, 3000 * MESSAGES[message].symbol_s), 1400, 31)
     navigation = decode_runs([run], NOON)
-    (anchor,) = navigation.anchors
-    assert anchor.until_s <= 1400 * run.symbol_s + 1e-9
+    before, after = navigation.anchors
+    at_s = 1400 * run.symbol_s
+    assert at_s - 300 * run.symbol_s < before.until_s <= at_s + 1e-9 <= after.from_s
+    assert after.from_s < at_s + 300 * run.symbol_s
+    jump_s = after.transmitted - anchors.at(before, after.code_phase_chips)
+    assert jump_s == pytest.approx(31 * run.symbol_s)
     (note,) = navigation.notes
     assert "missing from the recording" in note
     assert len(navigation.frames) > 7

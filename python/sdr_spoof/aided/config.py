@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import BaseModel, ConfigDict, Field
 
 
@@ -19,6 +21,9 @@ class AidedConfig(BaseModel):
         "",
         description="Quality of the IMU, by name: navigation, tactical, industrial, mems, n1, n2, "
         "ship-a, ship-b; empty: what [tight] and [rate] say.",
+    )
+    oscillator: Literal["", "ideal", "TCXO", "poor-TCXO", "OCXO"] = Field(
+        "TCXO", description="The receiver's oscillator; empty: what [tight] says of the clock."
     )
     attitude_deg: tuple[float, float, float] | None = Field(
         None,

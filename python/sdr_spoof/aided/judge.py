@@ -7,13 +7,15 @@
 3. **clean**: no alarm, and something could be tested for ``min_tested_s``.
 4. **not enough support**: anything else, such as an INS that is too old to be a witness.
 
-Alarms latch. The onset is the earliest that an alarm tells; the severity is how far GNSS alone was
+Alarms latch. The onset is the median of what the alarms say that date it before the first of them,
+since one estimate may be off by seconds; the severity is how far GNSS alone was
 led away from the aided place while satellites were not believed.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from statistics import median_high
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -89,7 +91,8 @@ def judge(
         return replace(quiet, verdict=CLEAN if enough else NO_SUPPORT, reason=why)
     alarm_s = min([m.alarm_s for m in alarmed if m.alarm_s is not None] + [a for a, _ in spans])
     onsets = [m.onset_s for m in alarmed if m.onset_s is not None]
-    onset_s = min([*onsets, alarm_s])
+    before = [o for o in onsets if o <= alarm_s]
+    onset_s = median_high(before) if before else alarm_s
     names, everybody = _left_out(track)
     excluded = bool(names) or everybody or any(m.decides for m in alarmed)
     verdict = SPOOFED if excluded else SUSPECT

@@ -19,16 +19,19 @@ from sdr_spoof.aiding.tight import run as run_filter
 from sdr_spoof.aiding.tight.solution import FLOOR
 from sdr_spoof.errors import AidingError
 from sdr_spoof.progress import silent
+from sdr_spoof.scenario.sky.clock import ALLAN
+from sdr_spoof.signals import LIGHT_M_S
 
 from .clocks import on_one_clock
 from .filtered import body_velocity, monitors_of, published_of, three_way, track_of
 from .judge import judge
 from .rates import Rates, examine
-from .start import start_of
+from .start import begin
 
 if TYPE_CHECKING:
+    from sdr_spoof.aiding.error_growth import AlignmentSigma
     from sdr_spoof.aiding.records import ImuLog, Measurements
-    from sdr_spoof.aiding.tight import TightSolution
+    from sdr_spoof.aiding.tight import TightConfig, TightSolution
     from sdr_spoof.config import Config
     from sdr_spoof.nav.time import GnssTime
     from sdr_spoof.progress import Stages
@@ -36,6 +39,8 @@ if TYPE_CHECKING:
     from .judge import AidedVerdict
     from .records import AidedTrack, Monitor
 
+LEAST_CLOCK_M2_S, LEAST_DRIFT_M2_S3 = 1e-3, 1e-6
+"""Of even the best oscillator: what is left of the model's own error."""
 STATES_HZ = 10.0
 """Rate of the states of the free INS, at least."""
 
@@ -96,12 +101,13 @@ def aid(measurements: Measurements, log: ImuLog, config: Config, stages: Stages 
         InertialError: the increments are unusable.
         ConfigError: a wrong name in the configuration.
     """
-    config = with_grade(config)
+    config = with_hardware(config)
     log = on_one_clock(log, measurements)
     with stages("Aligning"):
-        start = start_of(log, measurements, config)
+        beginning = begin(log, measurements, config)
+        config = _with_sigma(config, beginning.sigma)
     with stages("Filtering"):
-        solution = run_filter(log, measurements, start, config.tight)
+        solution = run_filter(log, measurements, beginning.start, config.tight)
         track = track_of(solution, measurements, config.aided.integrity_risk)
         tests = monitors_of(solution, config.tight)
     with stages("Testing rates"):
@@ -123,39 +129,65 @@ def aid(measurements: Measurements, log: ImuLog, config: Config, stages: Stages 
         rates.residuals,
         config.aided.integrity_risk,
         published_of(solution, config.tight),
-        tuple(f"{e.time_s:.1f} s: {e.words()}" for e in solution.events),
+        (
+            f"{beginning.start.time_s:.1f} s: begins; alignment {beginning.method}",
+            *(f"{e.time_s:.1f} s: {e.words()}" for e in solution.events),
+        ),
         three_way(solution, config.tight),
     )
 
 
-def with_grade(config: Config) -> Config:
-    """The configuration with the noise of a named grade of IMU, where one is named.
+def with_hardware(config: Config) -> Config:
+    """The configuration with the noise of a named IMU and oscillator, where it says none itself.
+
+    White frequency noise h0 makes the clock's offset walk by c^2 h0 / 2, random-walk noise h-2 its
+    drift by 2 pi^2 c^2 h-2 (see :mod:`sdr_spoof.scenario.sky.clock`).
 
     Raises:
         ConfigError: there is no such grade.
     """
-    if not config.aided.grade:
+    noise, rate = {}, config.rate
+    if config.aided.oscillator:
+        h0, _, h_2 = ALLAN[config.aided.oscillator]
+        noise["clock_m2_s"] = max(0.5 * LIGHT_M_S**2 * h0, LEAST_CLOCK_M2_S)
+        noise["clock_drift_m2_s3"] = max(2 * (math.pi * LIGHT_M_S) ** 2 * h_2, LEAST_DRIFT_M2_S3)
+    if config.aided.grade:
+        grade = named(config.aided.grade)
+        gyro, force = grade.gyro, grade.accelerometer
+        noise["gyro_bias_deg_h"] = math.hypot(gyro.bias, gyro.wander) / DEG_HOUR
+        noise["gyro_walk_deg_sqrt_h"] = gyro.density / DEG_ROOT_HOUR
+        noise["accelerometer_bias_ug"] = math.hypot(force.bias, force.wander) / MICRO_G
+        noise["accelerometer_walk_ug_sqrt_hz"] = force.density / MICRO_G
+        rate = rate.model_copy(update={"grade": grade.name})
+    return config.model_copy(update={"tight": _unless_given(config.tight, noise), "rate": rate})
+
+
+def _unless_given(tight: TightConfig, update: dict[str, float]) -> TightConfig:
+    """What the configuration says itself stays."""
+    own = tight.model_fields_set
+    return tight.model_copy(update={k: v for k, v in update.items() if k not in own})
+
+
+def _with_sigma(config: Config, sigma: AlignmentSigma | None) -> Config:
+    """The configuration with what an alignment says of its errors, where none is given."""
+    if sigma is None:
         return config
-    grade = named(config.aided.grade)
-    gyro, force = grade.gyro, grade.accelerometer
-    noise = {
-        "gyro_bias_deg_h": math.hypot(gyro.bias, gyro.wander) / DEG_HOUR,
-        "gyro_walk_deg_sqrt_h": gyro.density / DEG_ROOT_HOUR,
-        "accelerometer_bias_ug": math.hypot(force.bias, force.wander) / MICRO_G,
-        "accelerometer_walk_ug_sqrt_hz": force.density / MICRO_G,
+    found = {
+        "start_position_m": max(sigma.position_m),
+        "start_velocity_m_s": max(sigma.velocity_m_s),
+        "start_level_deg": math.degrees(max(sigma.attitude_rad[:2])),
+        "start_heading_deg": math.degrees(sigma.attitude_rad[2]),
     }
-    given = config.tight.model_fields_set
-    update = {name: value for name, value in noise.items() if name not in given}
-    tight = config.tight.model_copy(update=update)
-    rate = config.rate.model_copy(update={"grade": grade.name})
-    return config.model_copy(update={"tight": tight, "rate": rate})
+    update = {name: max(v, 1e-3) for name, v in found.items()}
+    return config.model_copy(update={"tight": _unless_given(config.tight, update)})
 
 
 def _rates(
     log: ImuLog, measurements: Measurements, solution: TightSolution, config: Config
 ) -> tuple[InertialStates | None, Rates]:
     """The free INS from the filter's first settled epoch on, and the tests with it."""
-    settled = solution.valid & (solution.time_s >= solution.time_s[0] + config.tight.settle_s)
+    begins = solution.time_s[int(np.argmax(solution.valid))]
+    settled = solution.valid & (solution.time_s >= begins + config.tight.settle_s)
     if not settled.any() or not config.aided.detectors:
         note = f"rates: the filter has not settled within {config.tight.settle_s:g} s"
         return None, Rates((), (), (note,), (), 0.0)

@@ -22,6 +22,7 @@ from sdr_spoof.errors import ConfigError, SdrSpoofError
 from . import (
     acquire,
     aid,
+    array,
     bench,
     campaign,
     demo,
@@ -49,6 +50,7 @@ COMMANDS: tuple[Command, ...] = (
     process.COMMAND,
     fix.COMMAND,
     aid.COMMAND,
+    array.COMMAND,
     demo.COMMAND,
     campaign.COMMAND,
     bench.COMMAND,

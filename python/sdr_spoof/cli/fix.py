@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from .ui import Ui
 
 RESULT = ".h5"
+NO_FIX = 3
+"""Exit code where nothing went wrong but there is no position; files are written all the same."""
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
@@ -89,7 +91,7 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
             )
         result = replace(result, log=None, **found.records())
         paths = write_formats(arguments.output, found, result, chosen, force=arguments.force)
-    return _outcome(found, log, paths, settings)
+    return _outcome(found, log, paths, settings, ui)
 
 
 def _received(arguments: argparse.Namespace, settings: Config, ui: Ui) -> tuple[TrackLog, Result]:
@@ -119,7 +121,7 @@ def _received(arguments: argparse.Namespace, settings: Config, ui: Ui) -> tuple[
     return log, result
 
 
-def _outcome(found: Located, log: TrackLog, paths: list[Path], settings: Config) -> Outcome:
+def _outcome(found: Located, log: TrackLog, paths: list[Path], settings: Config, ui: Ui) -> Outcome:
     from sdr_spoof.positioning.summary import sentences, summarise  # noqa: PLC0415
 
     summary = summarise(found)
@@ -138,7 +140,11 @@ def _outcome(found: Located, log: TrackLog, paths: list[Path], settings: Config)
         for path in paths:
             console.print(f"  {path}", highlight=False, soft_wrap=True, markup=False)
 
-    return Outcome(data, render, INTERRUPTED if log.partial else 0)
+    if log.partial:
+        return Outcome(data, render, INTERRUPTED)
+    if not summary.fixes and ui.json_mode:
+        ui.note(next(sentences(summary)))
+    return Outcome(data, render, 0 if summary.fixes else NO_FIX)
 
 
 COMMAND = Command(
@@ -150,7 +156,7 @@ COMMAND = Command(
     details="Receives the recording, or takes the tracks of a result file, decodes the messages "
     "and computes a position for every epoch; satellites that the detectors call spoofed are left "
     "out, and the fixes say so. A navigation file, with a time and a place, gives a fix where the "
-    "recording is too short for a message.",
+    "recording is too short for a message. The exit code is 3 where there is no position.",
     examples=(
         "sdr-spoof fix recording.sigmf-meta -o out/fix",
         "sdr-spoof fix out/today/result.h5 -o out/fix --rate 10 --format nmea rinex",

@@ -133,6 +133,19 @@ def achieved(
     return Achieved(value, low, high, runs, method)
 
 
+def curve(
+    rule: SequentialRule[Any],
+    thresholds: NDArray[np.float64],
+    *,
+    rate_hz: float = 1.0,
+    runs: int | None = None,
+) -> NDArray[np.float64]:
+    """Probability of a false alarm per hour at ascending thresholds, (G,), white normal samples."""
+    plan = _Plan.of(rule, rate_hz)
+    found = _weighed(rule, plan.rows, runs or _runs(plan.rows), SEED + 1, thresholds).mean
+    return np.array([plan.of_hour(float(p)) for p in found])
+
+
 def simulated(
     rule: SequentialRule[Any], per_hour: float, rate_hz: float = 1.0, law: Law = NORMAL
 ) -> float:

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
+from itertools import groupby, pairwise
 from typing import TYPE_CHECKING
 
 from .. import _core
 from ..signals import satellite_name, signal_spec
+from .missing import between
 from .records import Anchor, Frame
+from .steps import Reach
 from .symbols import code_phase_at
 from .time import GnssTime
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
+    from ..gaps import Span
     from ..records import SignalTrack
     from .symbols import Stretch
 
@@ -28,8 +31,38 @@ SILENT_FRAMES = 2
 """A message has ended where so many frames did not come."""
 
 
-def from_frames(frames: Sequence[Frame], stretch: Stretch) -> list[Anchor]:
-    """Anchors of an unbroken stretch; more than one where its frames tell of a jump in time."""
+def from_frames(
+    frames: Sequence[Frame],
+    stretch: Stretch,
+    reach: Callable[[Frame], Reach] = lambda _: Reach(),
+    gaps: Sequence[Span] = (),
+) -> list[Anchor]:
+    """Anchors of an unbroken stretch; more than one where its frames tell of a jump in time.
+
+    Args:
+        frames: of the stretch, in order.
+        stretch: where they are from.
+        reach: says how far what is around a frame is in step with it.
+        gaps: samples are missing somewhere within; there, only what was seen to be in step counts.
+    """
+    groups: list[list[Frame]] = []
+    for _, part in groupby(frames, lambda f: sum(begin < f.time_s for begin, _ in gaps)):
+        groups += _agreeing(part)
+    gaps = [*gaps, *_jumps(groups, reach, gaps)]
+    return [
+        Anchor(
+            stretch.signal,
+            stretch.prn,
+            *_bounds(group, stretch, reach, gaps),
+            code_phase_chips=group[0].code_phase_chips,
+            transmitted=group[0].transmitted,
+        )
+        for group in groups
+    ]
+
+
+def _agreeing(frames: Iterable[Frame]) -> list[list[Frame]]:
+    """Groups of frames that agree on the time."""
     groups: list[list[Frame]] = []
     for frame in frames:
         if groups and _agree(groups[-1][-1], frame):
@@ -39,20 +72,33 @@ def from_frames(frames: Sequence[Frame], stretch: Stretch) -> list[Anchor]:
     if len(groups) > 1 and any(len(g) >= CERTAIN_FRAMES for g in groups):
         # A single frame between others that agree is one whose time was misread.
         groups = _joined([g for g in groups if len(g) >= CERTAIN_FRAMES])
-    anchors = []
-    for n, group in enumerate(groups):
-        first, last = group[0], group[-1]
-        anchors.append(
-            Anchor(
-                signal=stretch.signal,
-                prn=stretch.prn,
-                from_s=stretch.from_s if n == 0 else first.time_s,
-                until_s=stretch.until_s if n == len(groups) - 1 else last.time_s + last.duration_s,
-                code_phase_chips=first.code_phase_chips,
-                transmitted=first.transmitted,
-            )
-        )
-    return anchors
+    return groups
+
+
+def _jumps(
+    groups: Sequence[Sequence[Frame]], reach: Callable[[Frame], Reach], gaps: Sequence[Span]
+) -> list[Span]:
+    """Where the time jumps between groups of frames, beyond gaps that are known."""
+    spans = [
+        between(a[-1], reach(a[-1]), b[0], reach(b[0]))
+        for a, b in pairwise(groups)
+        if not any(a[-1].time_s < end and begin < b[0].end_s for begin, end in gaps)
+    ]
+    return spans
+
+
+def _bounds(
+    group: Sequence[Frame],
+    stretch: Stretch,
+    reach: Callable[[Frame], Reach],
+    gaps: Sequence[Span],
+) -> Span:
+    """From and until when the time that frames tell holds."""
+    before = [end for begin, end in gaps if begin < group[0].end_s and end <= group[0].end_s]
+    after = [begin for begin, end in gaps if end > group[-1].time_s and begin >= group[-1].time_s]
+    from_s = max(before) if before else reach(group[0]).from_s
+    until_s = min(after) if after else reach(group[-1]).until_s
+    return max(stretch.from_s, from_s), min(stretch.until_s, until_s)
 
 
 def _agree(a: Frame, b: Frame) -> bool:
@@ -71,10 +117,12 @@ def _joined(groups: list[list[Frame]]) -> list[list[Frame]]:
     return joined
 
 
-def jumps(found: Sequence[Anchor]) -> list[str]:
-    """Sentences on the jumps between the anchors of one unbroken stretch."""
+def jumps(found: Sequence[Anchor], told: Sequence[Span] = ()) -> list[str]:
+    """Sentences on the jumps between the anchors of one unbroken stretch, unless already told."""
     notes = []
     for a, b in pairwise(found):
+        if any(begin <= b.from_s and a.until_s <= end for begin, end in told):
+            continue
         name = satellite_name(signal_spec(a.signal).system, a.prn)
         jump = b.transmitted - at(a, b.code_phase_chips)
         notes.append(
@@ -93,7 +141,7 @@ def silences(frames: Sequence[Frame], stretch: Stretch) -> list[str]:
     if not frames:
         return []
     last = frames[-1]
-    end_s = last.time_s + last.duration_s
+    end_s = last.end_s
     if stretch.until_s - end_s < SILENT_FRAMES * last.duration_s:
         return []
     name = satellite_name(last.system, last.prn)
@@ -103,14 +151,23 @@ def silences(frames: Sequence[Frame], stretch: Stretch) -> list[str]:
     ]
 
 
-def shows_symbols(stretch: Stretch) -> bool:
-    """Whether a signal's code shows where its symbols begin, so that no gap can hide it.
-
-    Where a symbol is several periods of a plain code, as in L1 C/A and D2, missing samples may
-    shift the symbols against the count of periods, and the time after them is not known exactly.
+def exact(found: Sequence[Anchor], stretch: Stretch) -> list[Anchor]:
+    """Those of a stretch's anchors that tell the time exactly: up to the first jump that is no
+    whole number of symbols, since it moved the symbols against the count of code periods.
     """
-    periods = _core.periods_per_symbol(stretch.signal, stretch.prn)
-    return periods == 1 or len(_core.secondary_chips(stretch.signal, stretch.prn)) > 0
+    kept = list(found[:1])
+    for a, b in pairwise(found):
+        jump_s = b.transmitted - at(a, b.code_phase_chips)
+        symbols = jump_s / _symbol_s(stretch)
+        if abs(symbols - round(symbols)) * _symbol_s(stretch) > AGREE_S:
+            break
+        kept.append(b)
+    return kept
+
+
+def _symbol_s(stretch: Stretch) -> float:
+    spec = signal_spec(stretch.signal)
+    return (_core.periods_per_symbol(stretch.signal, stretch.prn) or 1) * spec.period_s
 
 
 def at(anchor: Anchor, code_phase_chips: float) -> GnssTime:
@@ -120,17 +177,21 @@ def at(anchor: Anchor, code_phase_chips: float) -> GnssTime:
 
 
 def from_others(
-    stretch: Stretch, track: SignalTrack, others: Sequence[tuple[Anchor, SignalTrack]]
+    stretch: Stretch,
+    track: SignalTrack,
+    others: Sequence[tuple[Anchor, SignalTrack]],
+    gaps: Sequence[Span] = (),
 ) -> list[Anchor]:
     """Anchors of a stretch from those of other signals of the satellite at the same time.
 
-    One for all of the stretch; where they tell of a jump in time, each as far as the other holds.
+    One for all of the stretch; where they tell of a jump in time, each as far as the other holds,
+    and none beyond gaps.
     """
     found: list[tuple[Anchor, Anchor]] = []
     for other, other_track in others:
         anchor = _from_other(stretch, track, other, other_track)
         if anchor is not None:
-            found.append((anchor, other))
+            found.append((_up_to(gaps, anchor, other), other))
     if not found:
         return []
     first = found[0][0]
@@ -140,6 +201,17 @@ def from_others(
         replace(a, from_s=max(a.from_s, o.from_s), until_s=min(a.until_s, o.until_s))
         for a, o in found
     ]
+
+
+def _up_to(gaps: Sequence[Span], anchor: Anchor, other: Anchor) -> Anchor:
+    """An anchor that does not reach over gaps which the other, from which it is, does not."""
+    from_s, until_s = anchor.from_s, anchor.until_s
+    for begin, end in gaps:
+        if other.until_s <= end:
+            until_s = min(until_s, begin)
+        if other.from_s >= begin:
+            from_s = max(from_s, end)
+    return replace(anchor, from_s=from_s, until_s=until_s)
 
 
 def _from_other(

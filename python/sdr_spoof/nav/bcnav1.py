@@ -22,6 +22,7 @@ from .bits import bits_of, number_of
 from .broadcast import Contents
 from .ephemeris import CNAV1
 from .records import Frame
+from .steps import LOSING_S, Reach
 from .time import WEEK_S, GnssTime
 from .weeks import full_week
 
@@ -89,6 +90,12 @@ class BCnav1Message:
         indices = range(first, first + -(-(skip + count) // FRAME_SYMBOLS))
         frames = [_encode_frame(content, orbit, week, index) for index in indices]
         return np.concatenate([*frames, np.zeros(0, np.int8)])[skip : skip + count]
+
+    def reach(self, run: SymbolRun, frame: Frame) -> Reach:
+        """All of a run: the pilot, whose secondary code is as long as a frame, is lost when it is
+        out of step."""
+        begin_s, end_s = float(run.time_s[0]), float(run.time_s[-1]) + SYMBOL_S
+        return Reach(run_from_s=begin_s, run_until_s=end_s - LOSING_S)
 
     def decode(
         self, run: SymbolRun, near: GnssTime | None = None, start: int | None = None

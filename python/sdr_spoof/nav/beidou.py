@@ -67,6 +67,11 @@ class BeidouMessage(SubframeMessage):
         decoded = bch15.decode(soft, noise)
         return decoded.bits, decoded.corrected, decoded.doubt
 
+    def failing(self, hard: NDArray[np.uint8]) -> NDArray[np.bool_]:
+        """Which words fail: those of which one block does. An inverted block is a codeword too."""
+        wrong = bch15.wrong_blocks(hard)
+        return np.asarray(np.concatenate([wrong[:, :1], wrong[:, 1::2] | wrong[:, 2::2]], axis=1))
+
     def whole(self, found: list[Found], values: NDArray[np.float32]) -> NDArray[np.bool_]:
         """Which are there to the end, with the sign that they began with.
 

@@ -3,22 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import groupby
 from typing import TYPE_CHECKING
 
+from ..gaps import gaps_of, sentences, uncounted
 from ..signals import satellite_name, signal_spec
 from . import anchors
 from .broadcast import Contents
 from .messages import MESSAGES, message_on
+from .missing import Missing, missing, out_of_step, outages, overlap, touch
+from .missing import sentences as told_in_words
 from .plausible import objection
 from .records import Anchor, Frame, Navigation, SymbolRun
 from .symbols import Stretch, stretches_of, symbols_of
 from .weeks import dated
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable, Sequence
 
+    from ..gaps import Gap, Span
     from ..records import SignalTrack, TrackLog
+    from .records import Message
+    from .steps import Reach
     from .time import GnssTime
 
 __all__ = ["Anchor", "Frame", "Navigation", "decode", "decode_runs"]
@@ -33,6 +40,8 @@ class _Decoded:
 
     stretch: Stretch
     frames: tuple[Frame, ...]
+    reach: Callable[[Frame], Reach]
+    """How far the run is in step with a frame."""
 
 
 def decode(log: TrackLog, near: GnssTime | None = None) -> Navigation:
@@ -41,11 +50,13 @@ def decode(log: TrackLog, near: GnssTime | None = None) -> Navigation:
     ``near`` is any instant within some hours of the recording, where it is known: recordings too
     short for the week to be sent need it, and it resolves rollovers.
     """
-    decoded = [d for track in log.signals for d in _decoded(track, near)]
-    navigation = _navigation(decoded, near)
+    decoded = [d for t in log.signals for d in _decoded(t, uncounted(log, t), near)]
+    alive = [s for t in log.signals for s in stretches_of(t, uncounted(log, t))]
+    lost = outages([(s.from_s, s.until_s) for s in alive], log.duration_s)
+    navigation, gaps = _navigation(decoded, near, gaps_of(log), lost)
     found = navigation.anchors
     for _ in range(LENDINGS):
-        found = (*found, *_borrowed(log, found))
+        found = (*found, *_borrowed(log, found, gaps))
     return replace(navigation, anchors=found)
 
 
@@ -57,36 +68,83 @@ def decode_runs(runs: Iterable[SymbolRun], near: GnssTime | None = None) -> Navi
         if message is not None:
             end = float(run.time_s[-1]) + run.symbol_s
             stretch = Stretch(run.signal, run.prn, float(run.time_s[0]), end)
-            decoded.append(_Decoded(stretch, tuple(message.decode(run, near))))
-    return _navigation(decoded, near)
+            decoded.append(_decode_run(message, run, stretch, near))
+    return _navigation(decoded, near)[0]
 
 
-def _navigation(decoded: list[_Decoded], near: GnssTime | None) -> Navigation:
+def _navigation(
+    decoded: list[_Decoded],
+    near: GnssTime | None,
+    seen: Sequence[Gap] = (),
+    lost: Sequence[Span] = (),
+) -> tuple[Navigation, list[Span]]:
+    """What frames say, and within which spans samples are missing; ``seen`` by the tracker, or
+    perhaps missing as all was ``lost``."""
     decoded, notes = _with_weeks(decoded, near)
-    notes += _disagreements(decoded)
+    gaps = _missing(decoded)
+    told = [m.span for m in gaps]
+    unexplained = [g for g in seen if not any(overlap(g.span, t) for t in told)]
+    for spans in ([g.span for g in seen], out_of_step(_ends(decoded)), lost):
+        told += [span for span in spans if not any(touch(span, other) for other in told)]
+    notes = [*sentences(unexplained), *told_in_words(gaps), *notes]
+    notes += _disagreements(decoded, gaps)
     found = []
     for d in decoded:
-        own = anchors.from_frames(d.frames, d.stretch)
-        notes += anchors.jumps(own) + anchors.silences(d.frames, d.stretch)
-        found += own if anchors.shows_symbols(d.stretch) else own[:1]
+        own = anchors.from_frames(d.frames, d.stretch, d.reach, told)
+        notes += anchors.jumps(own, told) + anchors.silences(d.frames, d.stretch)
+        found += anchors.exact(own, d.stretch)
     frames = tuple(sorted((f for d in decoded for f in d.frames), key=lambda f: f.time_s))
     contents, more = _contents(frames)
-    return Navigation(**vars(contents), frames=frames, anchors=tuple(found), notes=(*notes, *more))
+    anchored, notes = tuple(found), [*notes, *more]
+    navigation = Navigation(**vars(contents), frames=frames, anchors=anchored, notes=tuple(notes))
+    return navigation, told
 
 
-def _decoded(track: SignalTrack, near: GnssTime | None) -> list[_Decoded]:
+def _ends(decoded: Iterable[_Decoded]) -> list[tuple[str, Reach, Reach]]:
+    """Of each run with frames its satellite, and what is in step with the first and the last."""
+    return [
+        (
+            satellite_name(d.frames[0].system, d.frames[0].prn),
+            d.reach(d.frames[0]),
+            d.reach(d.frames[-1]),
+        )
+        for d in decoded
+        if d.frames
+    ]
+
+
+def _missing(decoded: Iterable[_Decoded]) -> list[Missing]:
+    """Samples that are missing by the frames of all signals."""
+    signals: dict[tuple[str, int], list[Frame]] = {}
+    reach: dict[int, Callable[[Frame], Reach]] = {}
+    for d in decoded:
+        signals.setdefault((d.stretch.signal, d.stretch.prn), []).extend(d.frames)
+        reach |= {id(f): d.reach for f in d.frames}
+    in_order = (sorted(frames, key=lambda f: f.time_s) for frames in signals.values())
+    return missing(in_order, lambda frame: reach[id(frame)](frame))
+
+
+def _decoded(
+    track: SignalTrack, uncounted: Sequence[Span], near: GnssTime | None
+) -> list[_Decoded]:
     """Frames of a track by run; of a pilot those of its companion, in the pilot's count."""
     decoded = []
-    stretches = stretches_of(track)
-    for run in symbols_of(track):
+    stretches = stretches_of(track, uncounted)
+    for run in symbols_of(track, uncounted):
         message = message_on(run.signal, run.prn)
         if message is None:
             return []
         begin = float(run.time_s[0])
         inside = [s for s in stretches if s.from_s <= begin + run.symbol_s <= s.until_s]
         if inside:
-            decoded.append(_Decoded(inside[0], tuple(message.decode(run, near))))
+            decoded.append(_decode_run(message, run, inside[0], near))
     return decoded
+
+
+def _decode_run(
+    message: Message, run: SymbolRun, stretch: Stretch, near: GnssTime | None
+) -> _Decoded:
+    return _Decoded(stretch, tuple(message.decode(run, near)), partial(message.reach, run))
 
 
 def _with_weeks(decoded: list[_Decoded], near: GnssTime | None) -> tuple[list[_Decoded], list[str]]:
@@ -106,12 +164,16 @@ def _with_weeks(decoded: list[_Decoded], near: GnssTime | None) -> tuple[list[_D
     return [replace(d, frames=tuple(date(f) for f in d.frames)) for d in decoded], []
 
 
-def _disagreements(decoded: list[_Decoded]) -> list[str]:
+def _disagreements(decoded: list[_Decoded], gaps: Sequence[Missing]) -> list[str]:
     """Runs whose time differs from that of most others by more than travel times can."""
     frames = [d.frames[0] for d in decoded if d.frames]
     if len(frames) < 3:
         return []
-    starts = [f.transmitted + -f.time_s for f in frames]
+
+    def missing_s(frame: Frame) -> float:
+        return sum(g.missing_s for g in gaps if g.until_s < frame.end_s)
+
+    starts = [f.transmitted + (-f.time_s - missing_s(f)) for f in frames]
     middle = sorted(starts)[len(starts) // 2]
     return [
         f"{satellite_name(f.system, f.prn)} {f.signal} tells a time {start - middle:+.3f} s from "
@@ -121,7 +183,7 @@ def _disagreements(decoded: list[_Decoded]) -> list[str]:
     ]
 
 
-def _borrowed(log: TrackLog, known: tuple[Anchor, ...]) -> list[Anchor]:
+def _borrowed(log: TrackLog, known: tuple[Anchor, ...], gaps: Sequence[Span]) -> list[Anchor]:
     """Anchors of stretches that have none, from another signal of the satellite."""
     tracks = {(t.signal, t.prn): t for t in log.signals}
     borrowed = []
@@ -135,11 +197,11 @@ def _borrowed(log: TrackLog, known: tuple[Anchor, ...]) -> list[Anchor]:
             and signal_spec(a.signal).system == system
         ]
         own = [a for a in known if (a.signal, a.prn) == (track.signal, track.prn)]
-        for stretch in stretches_of(track) if others else ():
+        for stretch in stretches_of(track, uncounted(log, track)) if others else ():
             if any(a.from_s < stretch.until_s and stretch.from_s < a.until_s for a in own):
                 continue
             borrowed += anchors.from_others(
-                stretch, track, [(a, tracks[a.signal, a.prn]) for a in others]
+                stretch, track, [(a, tracks[a.signal, a.prn]) for a in others], gaps
             )
     return borrowed
 

@@ -162,6 +162,10 @@ class LnavMessage(SubframeMessage):
         decoded = lnav_words.decode(soft, noise)
         return decoded.bits, decoded.corrected, decoded.doubt
 
+    def failing(self, hard: NDArray[np.uint8]) -> NDArray[np.bool_]:
+        """Which words fail with either sign."""
+        return np.asarray(lnav_words.failing(hard) & lnav_words.failing(1 - hard))
+
     def whole(self, found: list[Found], values: NDArray[np.float32]) -> NDArray[np.bool_]:
         """Which are there to the end; a change of sign within fails the parity."""
         return np.array([f.start + PAGE_BITS <= values.size for f in found], dtype=bool)

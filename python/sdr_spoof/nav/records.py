@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from .steps import Reach
     from .time import GnssTime
 
 
@@ -66,6 +67,11 @@ class Frame:
     week_known: bool = True
     """False: the run did not tell the week; it is the nearest to the caller's date, or week 0."""
 
+    @property
+    def end_s(self) -> float:
+        """Receiver time at its end."""
+        return self.time_s + self.duration_s
+
 
 @dataclass(frozen=True)
 class Anchor:
@@ -116,6 +122,9 @@ class Message(Protocol):
 
     def decode(self, run: SymbolRun, near: GnssTime | None = None) -> list[Frame]:
         """Frames in a run, in order; ``near`` (within half a rollover) tells the week."""
+
+    def reach(self, run: SymbolRun, frame: Frame) -> Reach:
+        """How far the run's symbols are in step with a frame of it."""
 
     def read(self, frames: Sequence[Frame]) -> Contents:
         """Put together what the frames of one satellite say; they come in order of time."""

@@ -13,6 +13,7 @@ from ..errors import NavigationError
 from .bits import PAGE_BITS
 from .records import Frame
 from .soft import amplitude_and_noise, weighted
+from .steps import Reach, reach, steps
 from .sync import find, windows
 from .time import WEEK_S, GnssTime
 from .weeks import full_week, nearest
@@ -84,6 +85,10 @@ class SubframeMessage(ABC):
         """Which subframes are there to the end with the sign that they began with."""
 
     @abstractmethod
+    def failing(self, hard: NDArray[np.uint8]) -> NDArray[np.bool_]:
+        """Which words (F, 10) of subframes (F, 300) of bits as received, of either sign, fail."""
+
+    @abstractmethod
     def read(self, frames: Sequence[Frame]) -> Contents:
         """Put together what the frames of one satellite say, in order of time."""
 
@@ -144,6 +149,12 @@ class SubframeMessage(ABC):
             )
             for n, f in enumerate(found)
         ]
+
+    def reach(self, run: SymbolRun, frame: Frame) -> Reach:
+        """What is in step with a frame, see :class:`sdr_spoof.nav.records.Message`."""
+        start = int(np.searchsorted(run.code_phase_chips, frame.code_phase_chips))
+        times_s = np.append(run.time_s, run.time_s[-1] + self.symbol_s)
+        return reach(times_s, start, *steps(run.values, start, self.failing))
 
     def _frame(
         self,

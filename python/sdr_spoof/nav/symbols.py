@@ -15,15 +15,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .. import _core
+from ..gaps import counted
 from ..records import PART_EPOCHS, SignalTrack, State
 from ..signals import signal_spec
 from .records import SymbolRun
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
+    from ..gaps import Span
     from ..signals import SignalSpec
 
 __all__ = ["Stretch", "SymbolRun", "stretches_of", "symbols_of"]
@@ -46,10 +48,10 @@ class Stretch:
     until_s: float
 
 
-def stretches_of(track: SignalTrack) -> list[Stretch]:
-    """Unbroken parts of the synchronised rows of a track."""
+def stretches_of(track: SignalTrack, uncounted: Sequence[Span] = ()) -> list[Stretch]:
+    """Unbroken parts of the synchronised rows of a track, without spans where the count ended."""
     spec = signal_spec(track.signal)
-    rows = _Rows(track, spec)
+    rows = _Rows(track, spec, uncounted)
     parts = []
     for part in rows.stretches(spec):
         begin, end = rows.time_s[part.start], rows.time_s[part.stop - 1]
@@ -68,14 +70,14 @@ def code_phase_at(track: SignalTrack, time_s: float) -> float:
     return float(track.code_phase_chips[row] + rate * (time_s - track.time_s[row]))
 
 
-def symbols_of(track: SignalTrack) -> list[SymbolRun]:
+def symbols_of(track: SignalTrack, uncounted: Sequence[Span] = ()) -> list[SymbolRun]:
     """Symbols of a track, one run for each unbroken stretch of it; none of a pilot alone."""
     signal = COMPANION.get(track.signal, track.signal)
     spec = signal_spec(signal)
     periods = _core.periods_per_symbol(signal, track.prn)
     if periods is None or not track.epochs:
         return []
-    rows = _Rows(track, spec)
+    rows = _Rows(track, spec, uncounted)
     value = np.concatenate([np.zeros(0), *_prompts(track, signal != track.signal)])[rows.usable]
     if not value.any():
         return []
@@ -89,10 +91,11 @@ def symbols_of(track: SignalTrack) -> list[SymbolRun]:
 class _Rows:
     """Columns of the synchronised rows of a track."""
 
-    def __init__(self, track: SignalTrack, spec: SignalSpec) -> None:
+    def __init__(self, track: SignalTrack, spec: SignalSpec, uncounted: Sequence[Span]) -> None:
         state = track.state
-        self.usable = usable = state >= State.SYNCED
-        self.lost = np.cumsum(state <= State.PULL_IN)[usable]
+        outside, spans = counted(track.time_s, 0.5 * track.integration_s, uncounted)
+        self.usable = usable = (state >= State.SYNCED) & outside
+        self.lost = (np.cumsum(state <= State.PULL_IN) + spans)[usable]
         """Losses before each row: a new one begins a new count of code phase."""
         self.time_s = track.time_s[usable]
         self.integration_s = track.integration_s[usable]

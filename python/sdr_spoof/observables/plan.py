@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import TYPE_CHECKING
 
+from sdr_spoof.gaps import uncounted
 from sdr_spoof.observations import ObservedSignal
 from sdr_spoof.signals import signal_spec
 
@@ -22,7 +23,7 @@ def plan(log: TrackLog, navigation: Navigation) -> Plan:
     """Spans of every signal whose transmit time is known, with outlines of their runs."""
     outlines = {
         ObservedSignal(signal_spec(t.signal).system, t.prn, t.signal): [
-            run.outline() for run in runs_of(t)
+            run.outline() for run in runs_of(t, uncounted(log, t))
         ]
         for t in log.signals
     }

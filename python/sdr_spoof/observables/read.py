@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from sdr_spoof.gaps import uncounted
 from sdr_spoof.observations import SUBCARRIER, ObservedSignal
 from sdr_spoof.signals import signal_spec
 
@@ -15,7 +16,7 @@ from .smoothing import smoothed
 from .subcarrier import subcarrier_spans
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from sdr_spoof.nav.records import Navigation
     from sdr_spoof.records import ComboTrack, SignalTrack, TrackLog
@@ -39,7 +40,7 @@ def read_signals(
     for track in log.signals:
         signal = ObservedSignal(signal_spec(track.signal).system, track.prn, track.signal)
         column, fits = Column.empty(epochs.time_s.size), True
-        runs = _runs(track, config) if plan[signal] else []
+        runs = _runs(log, track, config) if plan[signal] else []
         for span in plan[signal]:
             run = runs[span.index]
             sign = _sign(track, run, navigation)
@@ -48,10 +49,11 @@ def read_signals(
         yield signal, column, fits
 
 
-def _runs(track: SignalTrack, config: ObservablesConfig) -> list[Run]:
+def _runs(log: TrackLog, track: SignalTrack, config: ObservablesConfig) -> list[Run]:
+    spans = uncounted(log, track)
     if config.smoothing_s > 0.0:
-        return [smoothed(run, config.smoothing_s) for run in runs_of(track)]
-    return runs_of(track, measured=config.code == "measured")
+        return [smoothed(run, config.smoothing_s) for run in runs_of(track, spans)]
+    return runs_of(track, spans, measured=config.code == "measured")
 
 
 def _sign(track: SignalTrack, run: Run, navigation: Navigation) -> Polarity:
@@ -71,12 +73,14 @@ def read_combos(
     for combo in log.combos:
         pair = [tracks.get((name, combo.prn)) for name in (combo.lower, combo.upper)]
         if (combo.lower, combo.upper) == ("B1I", "B1CP") and pair[0] and pair[1]:
-            yield _read_combo(combo, (pair[0], pair[1]), navigation, plan, epochs, config)
+            runs = [runs_of(t, uncounted(log, t)) for t in pair if t is not None]
+            yield _read_combo(combo, pair[0], runs, navigation, plan, epochs, config)
 
 
 def _read_combo(
     combo: ComboTrack,
-    pair: tuple[SignalTrack, SignalTrack],
+    lower_track: SignalTrack,
+    runs: Sequence[Sequence[Run]],
     navigation: Navigation,
     plan: Plan,
     epochs: Epochs,
@@ -87,9 +91,9 @@ def _read_combo(
     column, fits = Column.empty(epochs.time_s.size), True
     spans = plan[ObservedSignal(system, combo.prn, combo.upper)]
     if spans:
-        lower, upper = (runs_of(track) for track in pair)
+        lower, upper = runs
         known = [replace(span, run=upper[span.index]) for span in spans]
-        signed = [(run, _sign(pair[0], run, navigation)) for run in lower]
+        signed = [(run, _sign(lower_track, run, navigation)) for run in lower]
         delays = _group_delays(combo, system, navigation)
         for beat, half in subcarrier_spans(combo, known, signed, delays):
             span = beat

@@ -9,11 +9,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 
+from sdr_spoof.gaps import counted
 from sdr_spoof.records import SignalTrack, State
 from sdr_spoof.signals import SignalSpec, signal_spec
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
+
+    from sdr_spoof.gaps import Span
 
 LEAST_ROWS = 5
 """Shorter runs are not looked at."""
@@ -64,12 +69,14 @@ class Run:
         return self.rows(np.unique(np.append(np.arange(0, last, step), last)))
 
 
-def runs_of(track: SignalTrack, *, measured: bool = False) -> list[Run]:
-    """Unbroken runs of a track in ``SYNCED`` or better.
+def runs_of(
+    track: SignalTrack, uncounted: Sequence[Span] = (), *, measured: bool = False
+) -> list[Run]:
+    """Unbroken runs of a track in ``SYNCED`` or better, without spans where the count ended.
 
     With ``measured``, ``code_s`` is that of oscillator plus discriminator.
     """
-    whole = _rows(track)
+    whole = _rows(track, uncounted)
     if whole is None:
         return []
     edges = [0, *(np.flatnonzero(_breaks(whole)) + 1).tolist(), whole.time_s.size]
@@ -80,11 +87,12 @@ def runs_of(track: SignalTrack, *, measured: bool = False) -> list[Run]:
     return found
 
 
-def _rows(track: SignalTrack) -> Run | None:
+def _rows(track: SignalTrack, uncounted: Sequence[Span]) -> Run | None:
     """All rows that count as one run; None without any."""
     spec = signal_spec(track.signal)
     state = track.state
-    kept = np.flatnonzero(state >= State.SYNCED)
+    outside, _ = counted(track.time_s, 0.5 * track.integration_s, uncounted)
+    kept = np.flatnonzero((state >= State.SYNCED) & outside)
     if not kept.size:
         return None
     time_s = track.time_s[kept]

@@ -11,12 +11,13 @@ Van Diggelen, A-GPS: Assisted GPS, GNSS, and SBAS, 2009, chapter 4.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sdr_spoof.fixes import Status
+from sdr_spoof.gaps import uncounted
 from sdr_spoof.nav.orbit import positions
 from sdr_spoof.nav.records import Anchor
 from sdr_spoof.nav.symbols import symbols_of
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from sdr_spoof.fixes import Fixes
     from sdr_spoof.nav.ephemeris import Ephemeris
     from sdr_spoof.nav.store import Store
     from sdr_spoof.nav.time import GnssTime
@@ -100,9 +102,28 @@ def anchors_by(
     return anchors, (f"time from a snapshot of code phases, {late_s:+.3f} s against the one given",)
 
 
+def unconfirmed(fixes: Fixes, place_m: NDArray[np.float64], within_m: float) -> tuple[Fixes, str]:
+    """Fixes by a given time and given orbits, which no message confirmed, and a sentence on them.
+
+    Orbits turned as a whole about the Earth's axis fit any sky as well: the place found turns with
+    them, time and residuals stay. Only the given place speaks against it, as far as it is known.
+    """
+    status = np.where(fixes.status == Status.FIX, Status.UNCHECKED, fixes.status).astype(np.uint8)
+    away_m = float(np.linalg.norm(np.median(fixes.position_m[fixes.fixed], axis=0) - place_m))
+    return replace(fixes, status=status), (
+        f"no message confirms time and orbits: were the sky turned about the Earth's axis, all "
+        f"positions would be; they lie {away_m / 1e3:.1f} km from the place given, which may be "
+        f"{within_m / 1e3:.0f} km off (pvt.place_uncertainty_m)"
+    )
+
+
 def snapshot_phases(log: TrackLog) -> tuple[float, list[CodePhase]]:
     """Sample time at which most signals are tracked, and their code phases then."""
-    runs = [(track, run.outline()) for track in log.signals for run in runs_of(track)]
+    runs = [
+        (track, run.outline())
+        for track in log.signals
+        for run in runs_of(track, uncounted(log, track))
+    ]
     if not runs:
         return 0.0, []
     bounds = [(float(run.time_s[0]), float(run.time_s[-1])) for _, run in runs]
@@ -143,7 +164,7 @@ def anchors_at(
             B1I D1) or, where only differences matter, to seconds.
         place_m: where the receiver was, ECEF (3,), to 100 km.
     """
-    counters = [c for track in log.signals for c in _counters(track, store, start, place_m)]
+    counters = [c for track in log.signals for c in _counters(log, track, store, start, place_m)]
     if not counters:
         return ()
     late_s = _common_error_s(counters)
@@ -152,14 +173,15 @@ def anchors_at(
 
 
 def _counters(
-    track: SignalTrack, store: Store, start: GnssTime, place_m: NDArray[np.float64]
+    log: TrackLog, track: SignalTrack, store: Store, start: GnssTime, place_m: NDArray[np.float64]
 ) -> list[_Counter]:
     spec = signal_spec(track.signal)
     selected = store.select(spec.system, track.prn, start)
     if selected is None:
         return []
-    runs = [r.outline() for r in runs_of(track)]
-    symbols = symbols_of(track)
+    spans = uncounted(log, track)
+    runs = [r.outline() for r in runs_of(track, spans)]
+    symbols = symbols_of(track, spans)
     counters = []
     for run in runs:
         begin, end = float(run.time_s[0]), float(run.time_s[-1])

@@ -17,7 +17,7 @@ from sdr_spoof.nav.time import GnssTime
 from sdr_spoof.observables import ReceiverClock, observe
 from sdr_spoof.signals import LIGHT_M_S
 
-from .hot import anchors_by
+from .hot import anchors_by, unconfirmed
 from .reasons import reasons
 from .route import route_of
 from .single import single_fix
@@ -90,13 +90,18 @@ def locate(
     navigation = decode(log, near)
     received = navigation
     for path in config.navigation.files:
-        told = read_navigation(path)
-        differ = [f"{path} and the message contradict: {c}" for c in conflicts(told, received)]
-        navigation = _noted(navigation + told, *told.notes, *differ)
-    found = None
-    if not navigation.anchors:
+        file = read_navigation(path)
+        differ = [f"{path} and the message contradict: {c}" for c in conflicts(file, received)]
+        navigation = _noted(navigation + file, *file.notes, *differ)
+    found, place = None, config.navigation.place
+    hot = not navigation.anchors
+    if hot:
         navigation, found = _hot(log, navigation, config, near, acquisitions)
     seen, fixes = found or _fixes(log, navigation, config, verdict)
+    if hot and place is not None and fixes.fixed.any():
+        within_m = config.pvt.place_uncertainty_m
+        fixes, told = unconfirmed(fixes, geodetic_to_ecef(place), within_m)
+        navigation = _noted(navigation, told)
     route = route_of(fixes, seen, verdict)
     notes = (*navigation.notes, *seen.notes, *reasons(fixes))
     return Located(navigation, seen, fixes, route, tuple(dict.fromkeys(notes)))

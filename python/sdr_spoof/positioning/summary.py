@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sdr_spoof.fixes import Status
 from sdr_spoof.route import Quality
 
 if TYPE_CHECKING:
@@ -24,6 +25,9 @@ class Summary:
     suspect: int
     """Fixes that contradict themselves, or rest on satellites under suspicion while others are
     spoofed; they are not in the medians."""
+    unchecked: int
+    """Fixes that nothing confirms: no satellite more than needed, or time, place and orbits from
+    the user alone."""
     first_fix_s: float | None
     """Time of the first fix since the first sample."""
     first_fix_utc: str | None
@@ -55,6 +59,7 @@ def summarise(found: Located) -> Summary:
         epochs=fixes.epochs,
         fixes=int(rows.size),
         suspect=int(rows.size - good.size),
+        unchecked=int((fixes.status[good] == Status.UNCHECKED).sum()),
         first_fix_s=None if first is None else float(route.sample_time_s[first]),
         first_fix_utc=None
         if first is None
@@ -90,5 +95,7 @@ def sentences(summary: Summary) -> Iterator[str]:
             f"{summary.suspect} of them are not to be trusted: they contradict themselves, or rest "
             "on satellites under suspicion while others are spoofed"
         )
+    if summary.unchecked:
+        yield (f"{summary.unchecked} of them are unchecked: nothing would show if they were wrong")
     if summary.left_out:
         yield f"Left out as spoofed: {', '.join(summary.left_out)}"

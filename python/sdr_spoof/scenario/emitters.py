@@ -87,7 +87,7 @@ def _transmission(
         cn0_dbhz,
         range_m=motion.range_m,
         delay_s=motion.delay_s,
-        phase_cycles=motion.phase_cycles + emission.phase_cycles,
+        phase_cycles=motion.phase_cycles + emission.phase_cycles - scenario.line_cycles,
         doppler_hz=motion.doppler_hz,
         doppler_rate_hz_s=motion.doppler_rate_hz_s,
         data_seed=data_seed,

@@ -5,7 +5,8 @@
 table, which are by the receiver's clock: Earth-fixed ``position_m`` and
 ``velocity_m_s`` of the IMU, ``attitude_deg`` (yaw, pitch, roll), ``gyro_bias_rad_s`` and
 ``accelerometer_bias_m_s2`` (constant and wandering parts together). ``start`` is its state at the
-first increment's beginning, to start a navigation from.
+first increment's beginning, to start a navigation from; its ``time_s`` is GNSS time since the
+sky's start.
 """
 
 from __future__ import annotations
@@ -66,6 +67,7 @@ class ScenarioImu:
         log = self.readings.log
         row = np.searchsorted(log.time_s, system_s).clip(0, log.time_s.size - 1)
         begin_s = log.time_s[:1] - log.interval_s
+        first = {name: values[0] for name, values in self._states(begin_s).items()}
         return {
             "definitions": __doc__,
             "grade": self.table.grade,
@@ -73,20 +75,19 @@ class ScenarioImu:
             "lever_arm_m": list(self.sky.trajectory.lever_arm_m),
             "clock_offset_s": self.table.clock_offset_s,
             "errors": _finite(asdict(self.errors)),
-            "start": {"time_s": float(begin_s[0])} | self._states(begin_s, first=True),
+            "start": {"time_s": float(begin_s[0])} | first,
             **self._states(system_s),
             "gyro_bias_rad_s": self.readings.gyro_bias_rad_s[row].tolist(),
             "accelerometer_bias_m_s2": self.readings.accelerometer_bias_m_s2[row].tolist(),
         }
 
-    def _states(self, system_s: NDArray[np.float64], *, first: bool = False) -> dict[str, Any]:
+    def _states(self, system_s: NDArray[np.float64]) -> dict[str, list[Any]]:
         states = simulate.true_states(self.sky.trajectory, np.maximum(system_s, 0.0))
-        values = {
-            "position_m": np.round(states.position_m, 5),
-            "velocity_m_s": np.round(states.velocity_m_s, 7),
-            "attitude_deg": np.round(np.degrees(states.attitude_rad), 8),
+        return {
+            "position_m": np.round(states.position_m, 5).tolist(),
+            "velocity_m_s": np.round(states.velocity_m_s, 7).tolist(),
+            "attitude_deg": np.round(np.degrees(states.attitude_rad), 8).tolist(),
         }
-        return {name: (v[0] if first else v).tolist() for name, v in values.items()}
 
 
 def imu_of(scenario: Scenario, *, duration_s: float | None = None) -> ScenarioImu | None:

@@ -13,7 +13,7 @@ from sdr_spoof.signals import components, signal_spec
 
 from .attack import AnyAttack, Victims
 from .base import FROZEN
-from .draw import of_attack
+from .draw import integer, of_attack
 from .imu_table import ImuTable
 from .recording_plan import RecordingPlan
 from .satellite import Satellite
@@ -84,6 +84,36 @@ class Scenario(BaseModel):
             return sky_of(self.sky, self.recording.duration_s, self.recording.seed)
         except ValueError as error:
             raise ValueError(f"[sky] {error}") from error
+
+    def antennas(self) -> tuple[Scenario, ...]:
+        """One scenario for each antenna that is recorded."""
+        sky = self.sky
+        if sky is None or sky.array is None or sky.array.antenna is not None:
+            return (self,)
+        table = sky.array
+        skies = [
+            sky.model_copy(update={"array": table.model_copy(update={"antenna": k})})
+            for k in range(len(table.elements_m))
+        ]
+        # The IMU is one: its log lies beside the reference's recording.
+        imus = [self.imu, *[None] * (len(skies) - 1)]
+        return tuple(
+            self.model_copy(update={"sky": s, "imu": imu})
+            for s, imu in zip(skies, imus, strict=True)
+        )
+
+    @property
+    def noise_seed(self) -> int:
+        """Seed of the noise: each antenna has its own."""
+        seed = self.recording.seed
+        array = None if self.sky is None else self.sky.array
+        return integer("antenna", seed, array.antenna) if array and array.antenna else seed
+
+    @property
+    def line_cycles(self) -> float:
+        """What the line of the antenna adds to carrier phases."""
+        array = None if self.sky is None else self.sky.array
+        return array.delay_cycles if array else 0.0
 
     def victims(self, number: int) -> Victims:
         """Satellites and signals that the attack of this number imitates."""

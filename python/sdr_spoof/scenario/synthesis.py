@@ -16,6 +16,7 @@ from sdr_spoof.sources.sigmf_file import DATA, META, write_meta
 from .emitters import transmissions
 from .imu_data import imu_of
 from .truth import truth
+from .vehicle_data import moves_array, vehicle_csv
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -45,7 +46,7 @@ def open_synthesizer(scenario: Scenario, threads: int | None = None) -> Synthesi
         plan.lo_hz,
         [t.emitter for t in transmissions(scenario)],
         noise_rms_lsb=plan.rms_lsb,
-        seed=plan.seed,
+        seed=scenario.noise_seed,
         bandwidth_hz=plan.bandwidth_hz,
         centre_hz=plan.front_end_centre_hz,
         filter_taps=plan.filter_taps,
@@ -63,26 +64,50 @@ def synthesize(
 ) -> Path:
     """Write ``<out>.sigmf-data``, ``<out>.sigmf-meta`` and ``<out>.truth.json``.
 
-    A scenario with an IMU writes what it reads to ``<out>.imu.csv``.
+    A scenario with an IMU writes what it reads to ``<out>.imu.csv``; one with an array, what a
+    perfect INS would say to ``<out>.a0.vehicle.csv``.
 
     2-bit samples, which SigMF does not know, go to ``<out>.bin`` with ``<out>.bin.toml``. Ctrl-C
     leaves a valid, shorter recording, marked partial in its metadata and truth; KeyboardInterrupt
     is raised on once it is in place.
 
     Args:
-        scenario: what to synthesise.
+        scenario: what to synthesise; of an array, one recording for each antenna, ``<out>.a0`` and
+            so on.
         out: path of the recording, with or without ``.sigmf-data`` or ``.sigmf-meta``.
         threads: threads to use; None for one per core.
         force: replace existing files.
         progress: called with (samples done, samples in all).
 
     Returns:
-        The metadata file (SigMF, or the TOML sidecar of 2-bit samples), for ``open_recording``.
+        The metadata file (SigMF, or the TOML sidecar of 2-bit samples), for ``open_recording``; of
+        an array, that of its reference antenna.
 
     Raises:
         OutputError: files exist already, the folder is missing, or the disk is full.
     """
-    files = _Files(_stem(Path(out)), scenario)
+    parts = scenario.antennas()
+    stem = _stem(Path(out))
+    stems = [stem] if len(parts) == 1 else [_with(stem, f".a{k}") for k in range(len(parts))]
+    metas = []
+    for number, (part, name) in enumerate(zip(parts, stems, strict=True)):
+        shown = _share_of(progress, number, len(parts))
+        metas.append(_synthesize(part, name, threads, force, shown))
+    return metas[0]
+
+
+def _share_of(progress: Progress | None, number: int, parts: int) -> Progress | None:
+    """Progress of one of several recordings as part of them all."""
+    if progress is None or parts == 1:
+        return progress
+    return lambda done, total: progress(number * total + done, parts * total)
+
+
+def _synthesize(
+    scenario: Scenario, stem: Path, threads: int | None, force: bool, progress: Progress | None
+) -> Path:
+    """One recording."""
+    files = _Files(stem, scenario)
     if not force:
         files.check_absent()
     synthesizer = open_synthesizer(scenario, threads)
@@ -125,11 +150,12 @@ class _Files:
         self.meta = _with(stem, ".bin.toml" if raw else META)
         self.truth = _with(stem, ".truth.json")
         self.imu = None if scenario.imu is None else _with(stem, ".imu.csv")
+        self.vehicle = _with(stem, ".vehicle.csv") if moves_array(scenario) else None
         self.partial = _with(stem, ".part")
         self._raw = raw
 
     def check_absent(self) -> None:
-        for path in (self.data, self.meta, self.truth, self.imu):
+        for path in (self.data, self.meta, self.truth, self.imu, self.vehicle):
             if path is not None and path.exists():
                 raise OutputError(f"{path}: exists already; give another name or use --force")
 
@@ -148,6 +174,8 @@ class _Files:
         imu = imu_of(scenario, duration_s=count / plan.sample_rate_hz)
         if imu is not None and self.imu is not None:
             self.imu.write_text(imu.csv(), encoding="ascii")
+        if self.vehicle is not None:
+            self.vehicle.write_text(vehicle_csv(scenario), encoding="ascii")
         text = json.dumps(truth(scenario, sample_count=count))
         self.truth.write_text(text + "\n", encoding="utf-8")
         os.replace(self.partial, self.data)

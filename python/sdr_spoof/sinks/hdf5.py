@@ -4,10 +4,10 @@ Layout: ``/`` holds ``partial`` and ``format_version``; ``/recording`` the forma
 ``/config`` the effective configuration (JSON); ``/acquisitions`` one column per field;
 ``/tracks/<signal>_<prn>`` and ``/combos/<lower>_<upper>_<prn>`` one column per field, one row per
 epoch;
-``/second_peaks`` one column per field, one row per search; ``/verdict`` with tables of satellites
-and alarms; ``/navigation``, ``/observations`` and ``/fixes`` as :mod:`.hdf5_nested` has it. Every
-dataset has the attribute ``units``
-("1" where it has none). No dates are stored.
+``/second_peaks`` one column per field, one row per search; ``/breaks``, where there are any, one
+row per :class:`CountBreak`; ``/verdict`` with tables of satellites and alarms; ``/navigation``,
+``/observations`` and ``/fixes`` as :mod:`.hdf5_nested` has it. Every dataset has the attribute
+``units`` ("1" where it has none). No dates are stored.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import json
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import h5py
 
@@ -24,6 +24,7 @@ from sdr_spoof.errors import RecordingError
 from sdr_spoof.records import (
     Acquisition,
     ComboTrack,
+    CountBreak,
     SecondPeak,
     SignalTrack,
     TrackLog,
@@ -46,6 +47,8 @@ if TYPE_CHECKING:
     from sdr_spoof.nav.records import Navigation
     from sdr_spoof.observations import Observations
     from sdr_spoof.sources import Recording
+
+Record = TypeVar("Record")
 
 _VERSION = 1
 NESTED = ("navigation", "observations", "fixes")
@@ -145,6 +148,8 @@ def _write_log(file: h5py.File, log: TrackLog) -> None:
     for name in ("sample_rate_hz", "duration_s"):
         records.write_array(group, name, getattr(log, name))
     records.write_rows(file.create_group("second_peaks"), SecondPeak, log.second_peaks)
+    if log.breaks:
+        records.write_rows(file.create_group("breaks"), CountBreak, log.breaks)
     # In the order of the log, not of the names.
     tracks = file.create_group("tracks", track_order=True)
     for track in log.signals:
@@ -172,11 +177,9 @@ def _read(file: h5py.File) -> Result:
     )
 
 
-def _read_second_peaks(file: h5py.File) -> tuple[SecondPeak, ...]:
-    """Files written before there were such searches have none."""
-    if "second_peaks" not in file:
-        return ()
-    return tuple(records.read_rows(file["second_peaks"], SecondPeak))
+def _read_rows(file: h5py.File, name: str, kind: type[Record]) -> tuple[Record, ...]:
+    """Rows that a file need not have."""
+    return tuple(records.read_rows(file[name], kind)) if name in file else ()
 
 
 def _read_log(file: h5py.File) -> TrackLog:
@@ -188,5 +191,6 @@ def _read_log(file: h5py.File) -> TrackLog:
         partial=bool(file.attrs["partial"]),
         signals=tuple(records.read_track(g, SignalTrack) for g in file["tracks"].values()),
         combos=tuple(records.read_track(g, ComboTrack) for g in file["combos"].values()),
-        second_peaks=_read_second_peaks(file),
+        second_peaks=_read_rows(file, "second_peaks", SecondPeak),
+        breaks=_read_rows(file, "breaks", CountBreak),
     )

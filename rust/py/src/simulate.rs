@@ -2,12 +2,12 @@
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use sdr_spoof_core::correlator_level::{Setting, Simulator as CoreSimulator};
+use sdr_spoof_core::correlator_level::{Gap, Setting, Simulator as CoreSimulator};
 use sdr_spoof_core::synth;
 
 use crate::synth::{filter, Emitter};
 use crate::to_py;
-use crate::track::{all_combo_rows, all_signal_rows, config};
+use crate::track::{all_breaks, all_combo_rows, all_signal_rows, config, BreakTuple};
 
 /// Tracks satellites whose correlator outputs are made up from their emitters.
 #[pyclass(module = "sdr_spoof._core")]
@@ -18,7 +18,7 @@ impl Simulator {
     #[new]
     #[pyo3(signature = (sample_rate_hz, lo_hz, config_values, emitters, targets, *, noise_power,
         seed=0, complex_samples=true, bandwidth_hz=None, centre_hz=None, filter_taps=63,
-        reacquire=true, threads=1))]
+        reacquire=true, threads=1, gaps=Vec::new()))]
     #[allow(clippy::too_many_arguments)] // keyword arguments in Python
     fn new(
         sample_rate_hz: f64,
@@ -34,6 +34,7 @@ impl Simulator {
         filter_taps: usize,
         reacquire: bool,
         threads: usize,
+        gaps: Vec<(f64, f64)>,
     ) -> PyResult<Self> {
         let band = (bandwidth_hz, centre_hz.unwrap_or(lo_hz) - lo_hz);
         let setting = Setting {
@@ -42,6 +43,7 @@ impl Simulator {
             filter: filter(sample_rate_hz, band, filter_taps, complex_samples)?,
             noise_power,
             seed,
+            gaps: gaps.into_iter().map(gap).collect(),
         };
         let config = config(config_values)?;
         let emitters: Vec<synth::Emitter> = emitters.iter().map(|e| e.0.clone()).collect();
@@ -75,10 +77,19 @@ impl Simulator {
         all_signal_rows(py, self.0.channels_mut())
     }
 
+    /// Where counts of code periods broke since the last call: (signal, prn, from, until), s.
+    fn take_breaks(&mut self) -> Vec<BreakTuple> {
+        all_breaks(self.0.channels_mut())
+    }
+
     /// Rows recorded since the last call: one dict per satellite with two sidebands.
     fn take_combos<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         all_combo_rows(py, self.0.channels_mut())
     }
+}
+
+fn gap((at_s, missing_s): (f64, f64)) -> Gap {
+    Gap { at_s, missing_s }
 }
 
 pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {

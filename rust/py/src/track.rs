@@ -124,10 +124,32 @@ impl Tracker {
         all_signal_rows(py, self.0.channels_mut())
     }
 
+    /// Where counts of code periods broke since the last call: (signal, prn, from, until), s.
+    fn take_breaks(&mut self) -> Vec<BreakTuple> {
+        all_breaks(self.0.channels_mut())
+    }
+
     /// Rows recorded since the last call: one dict per satellite with two sidebands.
     fn take_combos<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         all_combo_rows(py, self.0.channels_mut())
     }
+}
+
+/// (signal, prn, from_s, until_s)
+pub(crate) type BreakTuple = (&'static str, u16, f64, f64);
+
+/// Breaks of channels since the last call.
+pub(crate) fn all_breaks<'a>(
+    channels: impl IntoIterator<Item = &'a mut Channel>,
+) -> Vec<BreakTuple> {
+    let mut all = Vec::new();
+    for channel in channels {
+        for sideband in &mut channel.sidebands {
+            let taken = sideband.breaks.drain(..);
+            all.extend(taken.map(|b| (sideband.spec.id, channel.prn, b.from_s, b.until_s)));
+        }
+    }
+    all
 }
 
 /// What channels recorded since the last call: one dict per signal.

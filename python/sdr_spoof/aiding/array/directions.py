@@ -81,17 +81,18 @@ def _covariance(
     unit: NDArray[np.float64],
     phases: ArrayPhases,
 ) -> NDArray[np.float64]:
-    """Phase noise by itself at each epoch, an error of yaw since the first, delays for good."""
+    """Phase noise by itself at each epoch; yaw that walks away from the first; delays for good."""
     epochs = phases.time_s.size
     lead = unit.shape[:-2]
     each = jacobian @ noise @ np.swapaxes(jacobian, -1, -2)
-    if phases.yaw_sigma_rad:
-        across = np.stack([-unit[..., 1], unit[..., 0]], axis=-1)
-        across[..., 0, :] = 0.0
-        each = each + phases.yaw_sigma_rad**2 * across[..., :, None] * across[..., None, :]
     total = np.zeros((*lead, epochs, 2, epochs, 2))
     for k in range(epochs):
         total[..., k, :, k, :] = each[..., k, :, :]
+    if phases.yaw_sigma_rad:
+        across = np.stack([-unit[..., 1], unit[..., 0]], axis=-1)
+        since = (phases.time_s - phases.time_s[0]) / (phases.time_s[-1] - phases.time_s[0])
+        walk = phases.yaw_sigma_rad**2 * np.minimum.outer(since, since)
+        total += np.einsum("kl,...ka,...lb->...kalb", walk, across, across)
     if phases.bias_sigma_cycles:
         factor = phases.bias_sigma_cycles * jacobian @ read
         total += np.einsum("...kam,...lbm->...kalb", factor, factor)
@@ -108,9 +109,11 @@ def whole_cycles(array: AntennaArray, phases: ArrayPhases) -> NDArray[np.float64
     first = phases.difference_cycles[..., 0, :].reshape(-1, phases.difference_cycles.shape[-1])
     reach = np.linalg.norm(array.baselines_m, axis=1) / phases.wavelength_m
     reach = reach + MARGIN_SIGMAS * phases.sigma_cycles
-    low = np.floor(first.min(axis=0) - reach)
-    high = np.ceil(first.max(axis=0) + reach)
-    grid = np.array(list(product(*(np.arange(a, b + 1) for a, b in zip(low, high, strict=True)))))
+    step = phases.cycle_step
+    low = np.floor((first.min(axis=0) - reach) / step)
+    high = np.ceil((first.max(axis=0) + reach) / step)
+    spans = (step * np.arange(a, b + 1) for a, b in zip(low, high, strict=True))
+    grid = np.array(list(product(*spans)))
     read = array.read(phases.wavelength_m)
     longest = 1.0 + MARGIN_SIGMAS * np.sqrt(
         np.linalg.eigvalsh(array.covariance(phases.sigma_cycles, phases.wavelength_m))[-1]

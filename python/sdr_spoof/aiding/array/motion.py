@@ -16,11 +16,12 @@ satellite: an alarm is one with all of them that leave it possible.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.special import chdtrc, chdtri, ndtr, ndtri
 
+from .config import Form
 from .directions import directions, whole_cycles
 
 if TYPE_CHECKING:
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-Form = Literal["pair", "all", "slope", "matched"]
 FORMS: tuple[Form, ...] = ("pair", "all", "slope", "matched")
 _HOPELESS = 1e-4
 """Whole cycles whose best fit of a satellite is as unlikely as this explain none."""
@@ -90,6 +90,11 @@ def threshold(form: Form, epochs: int, pfa: float) -> float:
     if form == "matched":
         return float(-ndtri(pfa))
     return float(chdtri(freedom(form, epochs), pfa))
+
+
+def normal_threshold(pfa: float) -> float:
+    """What a normal score exceeds with a probability under H0."""
+    return float(-ndtri(pfa))
 
 
 def normal_score(values: Floats, form: Form, epochs: int) -> Floats:

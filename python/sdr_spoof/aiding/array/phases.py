@@ -37,8 +37,11 @@ class ArrayPhases:
     still."""
     known_cycles: bool = True
     """Whether the whole cycles are known, as from a calibration."""
+    cycle_step: float = 1.0
+    """What unknown cycles come in: whole ones, or 0.5 where data hide the carrier's sign."""
     yaw_sigma_rad: float = 0.0
-    """Error of the INS's yaw since the first epoch, standard deviation."""
+    """Error of the INS's yaw that a random walk since the first epoch has come to at the last,
+    standard deviation."""
     bias_sigma_cycles: float = 0.0
     """Unknown constant delay of each antenna's line, standard deviation."""
 

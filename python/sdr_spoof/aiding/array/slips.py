@@ -30,6 +30,7 @@ def pieces(
     attitude_rad: Floats,
     expected: Floats,
     wavelength_m: float,
+    least_cycles: float = LEAST_CYCLES,
 ) -> NDArray[np.int64]:
     """Number of the unbroken piece that each epoch lies in, (E,); -1 where a phase is missing.
 
@@ -39,6 +40,7 @@ def pieces(
         attitude_rad: yaw, pitch, roll, (E, 3).
         expected: directions north, east, down, (E, 3): about right is enough between two epochs.
         wavelength_m: of the carrier.
+        least_cycles: a step beyond is a slip.
     """
     body = np.einsum("eij,ei->ej", rotations(attitude_rad), expected)
     left = difference_cycles + body @ array.baselines_m.T / wavelength_m
@@ -47,5 +49,5 @@ def pieces(
     step = np.abs(np.diff(left[rows], axis=0)).max(axis=1, initial=0.0)
     gap = np.diff(rows) > 1
     number = np.full(len(left), -1, np.int64)
-    number[rows] = np.concatenate([[0], np.cumsum((step > LEAST_CYCLES) | gap)])[: rows.size]
+    number[rows] = np.concatenate([[0], np.cumsum((step > least_cycles) | gap)])[: rows.size]
     return number

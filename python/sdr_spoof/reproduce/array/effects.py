@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from sdr_spoof.aiding.array.config import Form
     from sdr_spoof.nav.ephemeris import Ephemeris
 
     Floats = NDArray[np.float64]
@@ -81,14 +82,12 @@ def _still(unit: Floats) -> Floats:
     return np.repeat(unit[..., None, :], 2, axis=-2)
 
 
-def _share(unit: Floats, form: motion.Form, rng: np.random.Generator, **settings: object) -> float:
+def _share(unit: Floats, form: Form, rng: np.random.Generator, **settings: object) -> float:
     values = _values(unit, form, rng, **settings)
     return float(np.mean(values > motion.threshold(form, 2, published.PFA)))
 
 
-def _values(
-    unit: Floats, form: motion.Form, rng: np.random.Generator, **settings: object
-) -> Floats:
+def _values(unit: Floats, form: Form, rng: np.random.Generator, **settings: object) -> Floats:
     phases = published.measured(unit, MOVED, rng, **settings)  # type: ignore[arg-type]
     return motion.statistic(published.ARRAY, phases, form)
 
@@ -155,7 +154,7 @@ def _looks(ephemeris: Ephemeris, receiver: Floats, times_s: Sequence[float]) -> 
     return np.stack([direction(a, e) for a, e in azimuth_elevation(receiver, places)])
 
 
-def together(runs: int) -> dict[motion.Form, Together]:
+def together(runs: int) -> dict[Form, Together]:
     """Pfa, Pd and clean statistics with a turn, a tilt, wrong yaw and unknown cycles together."""
     rng = np.random.default_rng((SEED, 4))
     believed = _attitude(30.0, 1.0)
@@ -169,7 +168,7 @@ def together(runs: int) -> dict[motion.Form, Together]:
     }
     satellites = _still(_sky(rng, runs))
     spoofers = towards(SPOOFER_M * _sky(rng, runs, 0.0), MOVED)
-    found: dict[motion.Form, Together] = {}
+    found: dict[Form, Together] = {}
     for form in ("pair", "matched"):
         clean = _values(satellites, form, rng, **settings)
         limit = motion.threshold(form, 2, published.PFA)

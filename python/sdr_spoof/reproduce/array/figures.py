@@ -18,15 +18,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from sdr_spoof.aiding.array.config import Form
+
     Floats = NDArray[np.float64]
 
 COLOURS = ("#0072b2", "#e08214", "#009e73", "#cc79a7", "#56b4e9", "#d55e00")
 PFAS = np.logspace(-4, 0, 200)
 
 
-def draw_statistic(
-    moved_m: Floats, draws: Mapping[str, Mapping[motion.Form, list[Floats]]]
-) -> bytes:
+def draw_statistic(moved_m: Floats, draws: Mapping[str, Mapping[Form, list[Floats]]]) -> bytes:
     """Figure 6: the published statistic and the matched one by the way gone."""
 
     def draw(figure: Figure) -> None:
@@ -99,7 +99,7 @@ def draw_maps(maps: Mapping[str, Floats], reach_m: float) -> bytes:
     return style.png(draw, 9.6, 3.9)
 
 
-def draw_law(samples: Mapping[str, Floats], form: motion.Form, epochs: int) -> bytes:
+def draw_law(samples: Mapping[str, Floats], form: Form, epochs: int) -> bytes:
     """Histogram of a statistic under H0 over its law, on the scale of tail probabilities."""
 
     def draw(figure: Figure) -> None:

@@ -15,7 +15,7 @@ from .figures import draw_law
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from sdr_spoof.aiding.array.motion import Form
+    from sdr_spoof.aiding.array.config import Form
     from sdr_spoof.progress import Stages
     from sdr_spoof.reproduce.study import Effort
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from sdr_spoof.aiding.array.config import Form
     from sdr_spoof.progress import Stages
     from sdr_spoof.reproduce.study import Cell, Effort
 
@@ -111,9 +112,7 @@ def section(effort: Effort, stages: Stages) -> Section:
     )
 
 
-def _draws(
-    place: Floats, displacement: Floats, runs: int, seed: int
-) -> dict[motion.Form, list[Floats]]:
+def _draws(place: Floats, displacement: Floats, runs: int, seed: int) -> dict[Form, list[Floats]]:
     """Statistics of every form at t1 to t5, each from the epochs so far."""
     rng = np.random.default_rng((SEED, seed))
     unit = np.broadcast_to(towards(place, displacement), (runs, *displacement.shape))
@@ -183,7 +182,7 @@ def _law_numbers(noncentral: Floats) -> list[Number]:
 
 
 def _drawn_numbers(
-    rates: dict[tuple[str, motion.Form], list[float]], runs: int, noncentral: Floats
+    rates: dict[tuple[str, Form], list[float]], runs: int, noncentral: Floats
 ) -> list[Number]:
     numbers = []
     for k, law in enumerate(published.detected(noncentral)):

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from sdr_spoof.scenario.base import NonNegative, Phase
+from sdr_spoof.scenario.base import SPEED_OF_LIGHT, NonNegative, Phase
 from sdr_spoof.scenario.knots import Knots
 from sdr_spoof.scenario.sky import SkySatellite
 from sdr_spoof.scenario.sky.earth import enu_axes
@@ -71,6 +71,12 @@ class Position(Attack):
     )
     trajectory: AnyReceiver | None = Field(
         None, description="instead of a velocity: the false trajectory, as [sky.receiver]"
+    )
+    transmitters_enu_m: tuple[Vector, ...] = Field(
+        (),
+        description="transmit antennas, east, north, up from the receiver's first place; "
+        "satellites take turns. It matters to an array, which hears counterfeits from there "
+        "(default: from the directions of their satellites)",
     )
     carrier: Literal["coherent", "frequency-locked"] = Field(
         "coherent",
@@ -180,14 +186,29 @@ class Position(Attack):
         """Earth-fixed false place at the knots of a sky, (N, 3)."""
         if self.trajectory is not None:
             return self.trajectory.trajectory(sky.duration_s).position_m(sky.system_s)
-        axes = enu_axes(sky.antenna_m)
+        aimed_m = sky.reference_m if self.transmitters_enu_m else sky.antenna_m
+        axes = enu_axes(aimed_m)
         velocity = np.einsum("nkx,k->nx", axes, np.array(self.velocity_enu_m_s))
-        return np.asarray(sky.antenna_m + velocity * self._dragged_s(sky.time_s)[:, None])
+        return np.asarray(aimed_m + velocity * self._dragged_s(sky.time_s)[:, None])
 
     def view(self, track: Track) -> View:
         """A satellite as it is seen from the false place at the false time."""
-        late_s = self.late_s(track.sky.time_s)
+        late_s = self.late_s(track.sky.time_s) + self._near_s(track)
         return track.sky.view(track.ephemeris, self.place_m(track.sky), late_s)
+
+    def _near_s(self, track: Track) -> NDArray[np.float64] | float:
+        """How much later the antenna hears the transmitter than the array's reference does."""
+        sky = track.sky
+        if not self.transmitters_enu_m or sky.antenna_m is sky.reference_m:
+            return 0.0
+        turn = [e.prn for e in sky.ephemerides].index(track.ephemeris.prn)
+        enu = np.array(self.transmitters_enu_m[turn % len(self.transmitters_enu_m)])
+        first = int(np.argmin(np.abs(sky.time_s)))
+        place = sky.reference_m[first] + enu @ enu_axes(sky.reference_m[first : first + 1])[0]
+        there, here = (
+            np.linalg.norm(place - at, axis=1) for at in (sky.antenna_m, sky.reference_m)
+        )
+        return np.asarray((there - here) / SPEED_OF_LIGHT)
 
     def late_s(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
         """By how much all counterfeits come later than the false place asks for."""

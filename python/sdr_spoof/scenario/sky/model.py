@@ -75,10 +75,18 @@ class Sky:
         self.clock_s = table.clock.offset_s(steps, seed)
         self.system_s = self.time_s - self.clock_s
         """System time since the start."""
-        self.trajectory: Trajectory = table.receiver.trajectory(duration_s)
+        self.trajectory: Trajectory = table.trajectory(duration_s)
         self.antenna_m = self.trajectory.position_m(self.system_s)
         self.navigation = orbits.navigation(table)
         self.propagation = Propagation.of(table, self.navigation)
+
+    @cached_property
+    def reference_m(self) -> NDArray[np.float64]:
+        """Earth-fixed place of an array's reference antenna at the knots, (N, 3)."""
+        if self.table.array is None:
+            return self.antenna_m
+        moving = self.table.trajectory(self.duration_s, reference=True)
+        return moving.position_m(self.system_s)
 
     @cached_property
     def ephemerides(self) -> tuple[Ephemeris, ...]:

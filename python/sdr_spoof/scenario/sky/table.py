@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import datetime
-from typing import Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pydantic import BaseModel, Field, field_validator, model_validator
 
@@ -12,8 +13,12 @@ from sdr_spoof.nav.time import GnssTime
 from sdr_spoof.scenario.base import FROZEN
 from sdr_spoof.signals import components, signal_spec
 
+from .array import ArrayTable
 from .clock import ReceiverClock
 from .receiver import AnyReceiver
+
+if TYPE_CHECKING:
+    from .trajectory import Trajectory
 
 SYSTEMS = {"C": "BDT", "G": "GPS"}
 """Systems of which there are orbits, and the names of their times."""
@@ -29,6 +34,7 @@ class SatelliteOverride(BaseModel):
     cn0_dbhz: float | None = Field(None, description="C/N0 of each signal, at any elevation")
     signals: tuple[str, ...] | None = Field(None, description="its signals")
     on_air: bool = Field(True, description="false: it is left out")
+    healthy: bool = Field(True, description="false: it sends as ever, and that it is unhealthy")
 
 
 class SkyTable(BaseModel):
@@ -85,6 +91,7 @@ class SkyTable(BaseModel):
         True, description="false: pseudo-random symbols instead of navigation messages"
     )
     clock: ReceiverClock = Field(ReceiverClock.model_validate({}), description="receiver's clock")
+    array: ArrayTable | None = Field(None, description="several antennas instead of one")
     satellite: tuple[SatelliteOverride, ...] = Field((), description="what differs")
 
     @field_validator("start", mode="before")
@@ -119,3 +126,12 @@ class SkyTable(BaseModel):
         """What differs for a satellite."""
         found = (s for s in self.satellite if (s.system, s.prn) == (system, prn))
         return next(found, SatelliteOverride(prn=prn, system=system))
+
+    def trajectory(self, duration_s: float, *, reference: bool = False) -> Trajectory:
+        """Motion of the antenna that is recorded, or of an array's reference antenna."""
+        moving = self.receiver.trajectory(duration_s)
+        if self.array is None:
+            return moving
+        place = self.array.elements_m[0] if reference else self.array.place_m
+        forward, right, down = (a + b for a, b in zip(moving.lever_arm_m, place, strict=True))
+        return replace(moving, lever_arm_m=(forward, right, down))

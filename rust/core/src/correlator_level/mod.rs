@@ -40,4 +40,21 @@ pub struct Setting {
     pub noise_power: f64,
     /// Seed of noise and search errors.
     pub seed: u64,
+    /// Where samples are missing from the recording.
+    pub gaps: Vec<Gap>,
+}
+
+/// Samples that a recording lacks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gap {
+    /// Time since the first sample that is there, by those that are there.
+    pub at_s: f64,
+    /// How much is missing.
+    pub missing_s: f64,
+}
+
+/// What is missing up to a time of the recording, s.
+fn missing_s(gaps: &[Gap], time_s: f64) -> f64 {
+    let before = gaps.iter().take_while(|g| g.at_s <= time_s);
+    before.map(|g| g.missing_s).sum()
 }

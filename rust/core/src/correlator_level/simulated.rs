@@ -5,7 +5,7 @@ use super::lags::CodeLags;
 use super::noise::{key, TapNoise};
 use super::others::{disturbance, plus, Disturbance, OtherCodes};
 use super::pulse::Pulse;
-use super::{FrontEnd, Setting};
+use super::{missing_s, FrontEnd, Gap, Setting};
 use crate::acquire::replica::search_rate_hz;
 use crate::dsp::clock::Clock;
 use crate::dsp::correlator::Slice;
@@ -46,6 +46,9 @@ pub(crate) struct Simulated {
     noise_power: f64,
     spec: &'static SignalSpec,
     search_key: u64,
+    gaps: Vec<Gap>,
+    /// Carrier in the recording's band.
+    intermediate_hz: f64,
     chips_per_slice: u64,
     slices: usize,
     index: usize,
@@ -123,6 +126,8 @@ impl Simulated {
             noise_power: setting.noise_power,
             spec,
             search_key: !key(setting.seed, spec.system, prn, spec.id),
+            gaps: setting.gaps.clone(),
+            intermediate_hz: spec.carrier_hz - setting.lo_hz,
             chips_per_slice: chips_per_slice(spec) as u64,
             slices: spec.code_length / chips_per_slice(spec),
             index: 0,
@@ -181,10 +186,14 @@ impl Simulated {
         Some(&self.slice)
     }
 
-    /// From the present clock to that after the slice.
+    /// From the present clock to that after the slice, in the time of the transmissions. A gap takes
+    /// effect with the first slice that begins after it.
     fn span(&self, after: &Clock) -> Span {
-        let time_s = |clock: &Clock| clock.start() / self.sample_rate_hz;
-        let carrier = |clock: &Clock| clock.carrier_at_start() - self.spec.phase_offset_cycles;
+        let start_s = self.clock.start() / self.sample_rate_hz;
+        let missing_s = missing_s(&self.gaps, start_s);
+        let time_s = |clock: &Clock| clock.start() / self.sample_rate_hz + missing_s;
+        let turned = self.intermediate_hz * missing_s + self.spec.phase_offset_cycles;
+        let carrier = |clock: &Clock| clock.carrier_at_start() - turned;
         let chips = self.chips_per_slice as f64;
         Span {
             time_s: [time_s(&self.clock), time_s(after)],
@@ -237,6 +246,7 @@ impl Simulated {
     /// told from its alias in 1 ms integrations.)
     pub fn search(&self, sample: u64, cn0_min_dbhz: f64) -> Option<Seed> {
         let time_s = sample as f64 / self.sample_rate_hz;
+        let time_s = time_s + missing_s(&self.gaps, time_s);
         let truths = self.main.emissions.iter().map(|e| e.truth(time_s));
         let strongest = truths.max_by(|a, b| a.cn0_dbhz.total_cmp(&b.cn0_dbhz))?;
         if strongest.cn0_dbhz < cn0_min_dbhz {

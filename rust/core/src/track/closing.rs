@@ -7,6 +7,7 @@ use super::discriminator as disc;
 use super::epoch::{Epoch, Measured};
 use super::frequency::BlockError;
 use super::log::State;
+use super::period_count::Break;
 use super::sideband::{Sideband, Sync};
 use crate::dsp::replica::SLICE_S;
 use crate::signal::Modulation;
@@ -138,9 +139,11 @@ impl Sideband {
         self.in_state_s += epoch.interval_s();
         self.pull_in_s += epoch.interval_s();
         self.steer(rates[0], rates[1]);
-        if self.state != State::Lost {
+        if self.state == State::Lost && self.count.wrong() {
+            self.count_anew(epoch.end());
+        } else if self.state != State::Lost {
             self.guard_side_peak(epoch);
-            self.promote(epoch.taps[self.taps.prompt]);
+            self.promote(epoch);
         }
     }
 
@@ -156,6 +159,7 @@ impl Sideband {
             self.lock.add(prompt, noise_power, least_snr, interval);
         }
         let lost = match self.state {
+            State::Synced if self.count.wrong() => true,
             State::PullIn => self.pull_in_s > PULL_IN_S,
             State::Lost => false,
             _ => {
@@ -179,7 +183,7 @@ impl Sideband {
     }
 
     /// Moves on to the next state when its condition is met.
-    fn promote(&mut self, prompt: C64) {
+    fn promote(&mut self, epoch: &Epoch) {
         match self.state {
             State::PullIn
                 if self.lock.elapsed_s() >= JUDGED_S
@@ -189,12 +193,13 @@ impl Sideband {
                 self.enter(State::Tracking);
             }
             State::PullIn if self.lock.elapsed_s() > PLL_TRY_S => self.enter(State::PullIn),
-            State::Tracking => self.synchronise(prompt),
+            State::Tracking => self.synchronise(epoch),
             _ => {}
         }
     }
 
-    fn synchronise(&mut self, prompt: C64) {
+    fn synchronise(&mut self, epoch: &Epoch) {
+        let prompt = epoch.taps[self.taps.prompt];
         let period = self.period();
         let found = match &mut self.sync {
             Sync::Symbol(s) => s.add(prompt).map(|index| (index, false)),
@@ -208,8 +213,20 @@ impl Sideband {
             if reversed {
                 self.correlator.shift_carrier(0.5);
             }
+            self.count.begin(epoch.end());
             self.enter(State::Synced);
         }
+    }
+
+    /// The signal is there, only out of step: looks for its symbols and secondary code again.
+    fn count_anew(&mut self, sample: u64) {
+        self.breaks.push(Break {
+            from_s: self.count.right_until() as f64 / self.sample_rate_hz,
+            until_s: sample as f64 / self.sample_rate_hz,
+        });
+        self.count.begin(sample);
+        self.unsynchronise();
+        self.enter(State::Tracking);
     }
 
     /// A BOC correlation has side peaks half a chip away; on one of them, the very early or very

@@ -11,6 +11,7 @@ use super::epoch::{Epoch, Seed};
 use super::frequency::FrequencyBlock;
 use super::log::{SignalRows, State};
 use super::loop_filter::LoopFilter;
+use super::period_count::{Break, PeriodCount};
 use super::quality::{Cn0, Lock, RunningMean};
 use super::source::{Feed, Source};
 use super::sync::{SecondarySync, SymbolSync};
@@ -49,6 +50,9 @@ pub struct Sideband {
     /// Code periods per symbol; none for a pilot.
     symbol: Option<usize>,
     pub(super) sync: Sync,
+    pub(super) count: PeriodCount,
+    /// Where the count of code periods broke since they were taken out.
+    pub breaks: Vec<Break>,
     /// Slice counter, meaningful modulo what is synchronised.
     pub(super) position: usize,
     chips: u64,
@@ -108,6 +112,7 @@ impl Sideband {
             Modulation::Qmboc if !config.qmboc => Modulation::Boc11,
             m => m,
         };
+        let (overlay, symbol) = (spec.secondary(prn)?, spec.periods_per_symbol(prn)?);
         let samples_per_chip = sample_rate_hz / spec.chip_rate_hz;
         let taps = Taps::new(modulation, &spec.code(prn)?, samples_per_chip);
         Ok(Sideband {
@@ -122,8 +127,10 @@ impl Sideband {
             taps,
             state: State::PullIn,
             signed: false,
-            overlay: spec.secondary(prn)?,
-            symbol: spec.periods_per_symbol(prn)?,
+            count: PeriodCount::new(&overlay, symbol, spec.period_s()),
+            breaks: Vec::new(),
+            overlay,
+            symbol,
             sync: Sync::Known,
             position: 0,
             chips: 0,
@@ -150,13 +157,7 @@ impl Sideband {
         let mut start = seed.sample as f64 + seed.code_delay_s * self.sample_rate_hz;
         start += ((earliest - start) / period).ceil().max(0.0) * period;
         self.correlator.start_at(start, &self.taps);
-        self.sync = match self.symbol {
-            None => Sync::Secondary(SecondarySync::new(self.overlay.clone())),
-            Some(1) => Sync::Known,
-            Some(n) if self.overlay.is_empty() => Sync::Symbol(SymbolSync::new(vec![1; n])),
-            Some(_) => Sync::Symbol(SymbolSync::new(self.overlay.clone())),
-        };
-        self.signed = false;
+        self.unsynchronise();
         self.position = 0;
         self.chips = 0;
         self.doppler_hz = seed.doppler_hz;
@@ -168,6 +169,16 @@ impl Sideband {
         self.side_peaks = Default::default();
         self.enter(State::PullIn);
         self.steer(seed.doppler_hz, 0.0);
+    }
+
+    /// Forgets where symbols and secondary code are.
+    pub(super) fn unsynchronise(&mut self) {
+        self.sync = match self.symbol {
+            None => Sync::Secondary(SecondarySync::new(self.overlay.clone())),
+            Some(1) => Sync::Known,
+            Some(n) => Sync::Symbol(SymbolSync::of(&self.overlay, n)),
+        };
+        self.signed = false;
     }
 
     /// Where a search at a sample would find the signal, if it is simulated.
@@ -289,6 +300,8 @@ impl Sideband {
             let sign = self.overlay_sign();
             let slice = self.correlator.advance(feed, self.band)?;
             self.cn0.add_noise(slice.taps[self.taps.noise], SLICE_S);
+            let prompt = slice.taps[self.taps.prompt];
+            let slice_end = slice.start + slice.samples;
             let epoch = self.partial.get_or_insert_with(|| Epoch {
                 taps: vec![C64::default(); slice.taps.len()],
                 companion: C64::default(),
@@ -306,6 +319,9 @@ impl Sideband {
             epoch.samples += slice.samples;
             self.chips += chips_per_slice;
             self.position += 1;
+            if self.state == State::Synced {
+                self.count.pass(prompt, self.position, slice_end);
+            }
             if self.position.is_multiple_of(self.length) {
                 // One that started half-way is of no use to the loops.
                 if let Some(mut e) = self.partial.take().filter(|e| e.slices == self.length) {

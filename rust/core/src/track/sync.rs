@@ -1,5 +1,6 @@
 //! Finds where symbols and secondary codes start, from prompts of one code period each.
 
+use super::watch::Step;
 use crate::C64;
 
 /// Decisions are taken at this many standard deviations.
@@ -32,21 +33,61 @@ impl SymbolSync {
         }
     }
 
+    /// A search for the overlay of a signal, or for plain symbols of `periods` code periods where
+    /// it has none.
+    pub fn of(overlay: &[i8], periods: usize) -> Self {
+        Self::new(match overlay {
+            [] => vec![1; periods],
+            chips => chips.to_vec(),
+        })
+    }
+
     /// Adds the prompt of the next period. Returns, once it is certain, the overlay index of the
     /// period *after* this one.
     pub fn add(&mut self, prompt: C64) -> Option<usize> {
         let n = self.overlay.len();
+        self.push(prompt);
+        (self.count.is_multiple_of(n) && self.count >= 3 * n)
+            .then(|| self.decide())
+            .flatten()
+    }
+
+    /// Adds the prompt of the period that is held for the one with overlay index `index`, and
+    /// looks after each `symbols` whether it is. After a verdict all begins anew.
+    pub(super) fn watch(&mut self, prompt: C64, index: usize, symbols: usize) -> Step {
+        let n = self.overlay.len();
+        self.push(prompt);
+        if !self.count.is_multiple_of(symbols * n) {
+            return Step::Open;
+        }
+        match self.decide() {
+            None => Step::Open,
+            Some(next) => {
+                self.forget();
+                if next == (index + 1) % n {
+                    Step::In
+                } else {
+                    Step::Out
+                }
+            }
+        }
+    }
+
+    fn push(&mut self, prompt: C64) {
         if let Some(previous) = self.previous {
             let product = (prompt * previous.conj()).re;
-            let class = self.count % n;
+            let class = self.count % self.overlay.len();
             self.sums[class] += product;
             self.powers[class] += product * product;
         }
         self.previous = Some(prompt);
         self.count += 1;
-        (self.count.is_multiple_of(n) && self.count >= 3 * n)
-            .then(|| self.decide())
-            .flatten()
+    }
+
+    pub(super) fn forget(&mut self) {
+        self.sums.fill(0.0);
+        self.powers.fill(0.0);
+        (self.previous, self.count) = (None, 0);
     }
 
     /// Weight of the product in `class` if overlay index 0 falls on class `boundary`.

@@ -1,0 +1,1 @@
+"""GNSS against INS and DME: measurement model, simulation, linear statistics, isolation."""
