@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-
 from . import published
 from .attacks import THREE
 from .simulation import ATTACK_S, Case, default_set, horizontal_m, runs

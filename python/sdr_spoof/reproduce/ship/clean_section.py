@@ -106,8 +106,9 @@ def section(effort: Effort, stages: Stages) -> Section:
             "more are useless. The default has a Gauss-Markov state for each satellite: its "
             "innovations are white over all windows up to 100 s, so that thresholds are those of a "
             "normal deviate, and its covariance is that of its errors.",
-            f"The default set alarms in {found.alarms} of {count} runs; {found.locked} of them have "
-            f"not got back to all satellites {LOCKED_S:g} s later; the largest error is {found.worst_m:.1f} m.",
+            f"The default set alarms in {found.alarms} of {count} runs; {found.locked} of them "
+            f"have not got back to all satellites {LOCKED_S:g} s later; the largest error is "
+            f"{found.worst_m:.1f} m.",
         ),
         tables=[_nees_table(mean, len(found.nees)), _threshold_table(found)],
         numbers=[

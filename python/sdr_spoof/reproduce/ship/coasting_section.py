@@ -13,11 +13,11 @@ from . import published
 from .simulation import ATTACK_S, Case, default_set, horizontal_m, runs
 
 if TYPE_CHECKING:
-    from sdr_spoof.aiding.tight import TightConfig
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
+    from sdr_spoof.aiding.tight import TightConfig
     from sdr_spoof.progress import Stages
     from sdr_spoof.reproduce.study import Cell, Effort
 

@@ -146,7 +146,7 @@ def _numbers(speed: float, how: str, error: Floats) -> Sequence[Number]:
     if how == "printed" and speed == 0.5:
         value = float(np.median(error[:, :END].max(axis=1)))
         late = float(np.median(error[:, LATE]))
-        inf = float("inf")
+        inf, least = float("inf"), published.LOCKED_M
         what = "largest error up to the end of 0.5 m/s, as published"
         return [
             Number("literal_captured", what, value, *published.LITERAL_M, "m", 200.0),

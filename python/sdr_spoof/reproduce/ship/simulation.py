@@ -141,13 +141,13 @@ def _start(config: TightConfig, way: Voyage, number: int) -> Start:
 
 def errors_ned_m(solution: TightSolution) -> Floats:
     """North, east, down (E, 3)."""
-    return solution.error_ned_m(voyage().truth.position_m)
+    return np.asarray(solution.error_ned_m(voyage().truth.position_m))
 
 
 def horizontal_m(solution: TightSolution) -> Floats:
     """Distance from the truth (E,)."""
     north, east, _ = errors_ned_m(solution).T
-    return np.hypot(north, east)
+    return np.asarray(np.hypot(north, east))
 
 
 def velocity_errors_ned_m_s(solution: TightSolution) -> Floats:
