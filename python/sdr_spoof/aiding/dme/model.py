@@ -53,19 +53,20 @@ def simulate(
         clock_m: c dt of the GNSS receiver, and of DME.
         interval_s: between epochs.
     """
-    time_s = interval_s * np.arange(epochs)
+    time_s = np.arange(epochs, dtype=np.float64) * interval_s
     n = geometry.satellites
     feedback = feedback or Feedback()
-    quiet = np.zeros((1, epochs, len(geometry.sigma_m)))
-    quiet[..., :n] -= clock_m[0]
-    quiet[..., n:] -= clock_m[1]
+    course = np.zeros((1, epochs, len(geometry.sigma_m)))
+    course[..., :n] -= clock_m[0]
+    course[..., n:] -= clock_m[1]
     if spoofing is not None:
-        quiet[..., :n] -= spoofing(time_s, geometry)
-    y = np.asarray(quiet + random.standard_normal((runs, *quiet.shape[1:])) * geometry.sigma_m)
-    fed = y if feedback.noisy else quiet
+        course[..., :n] -= spoofing(time_s, geometry)
+    noise = random.standard_normal((runs, epochs, len(geometry.sigma_m)))
+    alone = np.asarray(course + noise * geometry.sigma_m)
+    fed = alone if feedback.noisy else course
     error = _drawn(fed, geometry, feedback, np.array(drift_m_s), interval_s)
-    y += error @ geometry.design[:, :3].T
-    return Runs(time_s, y, np.broadcast_to(error, (runs, epochs, 3)))
+    differences = np.asarray(alone + error @ geometry.design[:, :3].T)
+    return Runs(time_s, differences, np.broadcast_to(error, (runs, epochs, 3)))
 
 
 def _drawn(

@@ -48,7 +48,8 @@ def errata() -> Sequence[Erratum]:
             "Compensation (equations 28 to 31)",
             "zeta = ln(K1 E / r) is added with every sample and speeds the test up.",
             "E is the squared mean, which shrinks: zeta is negative and its sum -1117 after 200 s. "
-            "To the letter the test never alarms. Taken from the current sample and held at zero "
+            "To the letter the test does not alarm within any time that matters: the sum must "
+            "first be made up for. Taken from the current sample and held at zero "
             "from below it gives the printed 17.5 s: that is `improved-sprt`, a cumulative sum of "
             "ln z². For shifts below 1.2 standard deviations it is slower than the classic test "
             "at the same false alarms.",

@@ -122,9 +122,9 @@ def figure6(curves: Mapping[float, Mapping[str, float]]) -> bytes:
         axes.set(
             xlabel="spoofing of one satellite (m)", ylabel="found within 30 s", ylim=(-0.03, 1.05)
         )
-        axes.legend(loc="lower right", fontsize=8)
+        axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), fontsize=8)
 
-    return style.png(draw, 7.4, 4.4)
+    return style.png(draw, 9.2, 4.4)
 
 
 def dme(
@@ -186,7 +186,7 @@ def laws(histograms: Mapping[str, tuple[np.ndarray, str]]) -> bytes:
             axes.plot(x, density, color=style.INK, lw=1.2)
             axes.set_yscale("log")
             axes.set_ylim(1e-5, 2.0)
-            axes.set_title(name, fontsize=9)
+            axes.set_title(name, fontsize=8)
             axes.set_xlabel(
                 "standard deviations" if law == "normal" else "sum of squares", fontsize=8
             )

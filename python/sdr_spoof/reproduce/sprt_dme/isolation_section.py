@@ -45,7 +45,9 @@ def section(effort: Effort, stages: Stages) -> Section:
             "With an INS that is not captured, the differences themselves name the satellites: "
             "the smallest set without which the means of the last 30 s agree with the INS and one "
             "clock. Five satellites alike are a clock, and none is excluded: the position is "
-            "right.",
+            "right. Three of five alike outvote the other two: to the measurements they are the "
+            "healthy ones, with another clock, and the two healthy ones are excluded. Only a "
+            "known clock could tell.",
         ),
         tables=[
             Table(
@@ -71,8 +73,8 @@ def section(effort: Effort, stages: Stages) -> Section:
                     "after (m)",
                 ),
                 isolated,
-                "Medians of the error of the fix. With three of five spoofed, two satellites do "
-                "not give a fix: the INS is what is left, and no error is given.",
+                "Medians of the error of the fix; none is given where fewer than four satellites "
+                "are left: then the INS is what is left.",
             ),
         ],
         numbers=_numbers(leaks, captured, isolated, effort),

@@ -66,8 +66,8 @@ def section(effort: Effort, stages: Stages) -> Section:
             "counts is how much of the attack looks like a clock error, which Delta contains and "
             "no feedback takes away. Five satellites alike are a clock attack: found at once "
             "where the clock is known, as the publication has it, and harmless to the position.",
-            f"Table 3 is for {TABLE3_M:g} m and {published.SIGMA_FIGURE5_M:g} m of noise. With "
-            "the literal rule its column would be empty.",
+            f"Table 3 is for {TABLE3_M:g} m and {published.SIGMA_FIGURE5_M:g} m of noise. "
+            "The literal rule finds none within 30 s.",
         ),
         tables=[_figure4_table(shares), _table3_table(delays)],
         pictures=[
