@@ -14,6 +14,7 @@ from .positioning import try_locate
 from .progress import silent
 from .receive import receive
 from .report import TruthMark, write_report
+from .report.evidence import EvidenceBook
 from .scenario import builtin_scenario, synthesize, truth_path
 from .sinks.hdf5 import Result, write_result
 from .sources import open_recording
@@ -115,7 +116,8 @@ def process(
     with output_folder(out):
         found, log = receive(recording, config, signals, prns, threads, stages, out)
         with stages("Detecting"):
-            verdict = detect(log, config.detection)
+            book = EvidenceBook(config.detection)
+            verdict = detect(log, config.detection, look=book.take)
         with stages("Positioning"):
             located, why_not = try_locate(
                 log, config, verdict, start=recording.start, acquisitions=found
@@ -138,6 +140,7 @@ def process(
                 truth=truth,
                 located=located,
                 why_not_located=why_not,
+                book=book,
                 force=force,
             )
             if progress:

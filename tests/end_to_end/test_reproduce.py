@@ -9,6 +9,13 @@ from commands import failing
 
 from sdr_spoof.cli import main
 from sdr_spoof.reproduce.combo import echo_section, multipath, receiver, receiver_section
+from sdr_spoof.reproduce.ins_rate import (
+    drag_section,
+    drift_section,
+    false_alarms,
+    flight_section,
+)
+from sdr_spoof.reproduce.study import Section
 
 NUMBER = {
     "type": "object",
@@ -75,6 +82,23 @@ def test_quick_reproduction(tmp_path, capsys, short):
         assert next(csv.DictReader(file))["published"] == "0.6196"
     _, message = failing(capsys, *command)
     assert "add --force" in message
+
+
+def test_quick_reproduction_of_ins_rate(tmp_path, capsys, monkeypatch):
+    def nothing(effort, stages, executor=None):
+        return Section("left out")
+
+    for module in (drift_section, drag_section, flight_section):
+        monkeypatch.setattr(module, "section", nothing)
+    monkeypatch.setattr(false_alarms, "QUICK_FLIGHTS", 2)
+    folder = tmp_path / "study"
+    command = ["reproduce", "ins-rate", "--quick", "--threads", "1", "-o", str(folder), "--json"]
+    main(command)
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["study"] == "ins-rate"
+    assert len(printed["errata"]) == 9
+    assert len(printed["tables"]["table5"]) == 9
+    assert {"figure11.png", "local_test.png", "samples.csv"} < set(printed["files"])
 
 
 def test_unknown_study(tmp_path, capsys):

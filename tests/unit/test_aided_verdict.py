@@ -25,11 +25,11 @@ def test_satellites_that_were_left_out_are_spoofed():
     verdict = case.aided().verdict
     assert verdict.verdict == "spoofed" and not verdict.everybody
     assert verdict.satellites == ("C20", "C27", "C36")
-    assert verdict.onset_s == 60.0 and verdict.alarm_s == 61.0
+    assert verdict.onset_s == 61.0 and verdict.alarm_s == 61.0
     assert verdict.severity_m == pytest.approx(78.0, abs=4.0)
     assert verdict.confidence == pytest.approx(1 - 1e-6)
     told = " ".join(words.sentences(verdict))
-    assert told.startswith("C20, C27, C36, since 60.0 s (alarm at 61.0 s). Severity: GNSS alone")
+    assert told.startswith("C20, C27, C36, since 61.0 s (alarm at 61.0 s). Severity: GNSS alone")
     assert words.action(verdict).startswith("leave C20, C27, C36 out")
 
 

@@ -80,6 +80,7 @@ def test_a_heading_may_be_given():
     [
         ({"accelerometer": 1 / 9.80665}, "in g: multiply by 9.80665"),
         ({"accelerometer": 9.80665}, "divide by 9.80665"),
+        ({"accelerometer": 1000 / 9.80665}, "in mg"),
         ({"accelerometer": 1 / 0.3048}, "feet"),
         ({"accelerometer": 100.0}, "rates seem to be taken as increments"),
         ({"accelerometer": 0.01}, "increments seem to be taken as rates"),

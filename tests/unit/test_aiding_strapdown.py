@@ -148,3 +148,10 @@ def test_runs_that_are_refused():
     late = replace(start, time_s=np.array([11.0]))
     with pytest.raises(InertialError, match="outside the increments"):
         strapdown.navigate_runs(log, start, errors, realign=late)
+
+
+def test_an_ins_that_runs_away_is_told():
+    log, start = rest(10.0)
+    wild = replace(log, velocity_m_s=1e300 * log.velocity_m_s)
+    with pytest.raises(InertialError, match="run away"):
+        strapdown.navigate(wild, start)

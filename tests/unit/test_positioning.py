@@ -14,6 +14,7 @@ from sdr_spoof.config import Config, load_config
 from sdr_spoof.detectors.noise_floor import QUANTITY as NOISE_OF_THE_BAND
 from sdr_spoof.fixes import Cause, Status
 from sdr_spoof.nav.beidou_satellites import GEO
+from sdr_spoof.nav.frames import decode
 from sdr_spoof.nav.geodesy import enu, geodetic_to_ecef
 from sdr_spoof.nav.rinex_nav import read_navigation
 from sdr_spoof.nav.rinex_nav_write import format_navigation
@@ -57,9 +58,9 @@ HOT = PLAIN | {
 }
 
 
-def sky_log(folder, duration, signals='"B1I"', rate=10e6, lo=1561.098e6):
+def sky_log(folder, duration, signals='"B1I"', rate=10e6, lo=1561.098e6, more=""):
     path = folder / "sky.toml"
-    path.write_text(SKY.format(duration=duration, signals=signals, rate=rate, lo=lo))
+    path.write_text(SKY.format(duration=duration, signals=signals, rate=rate, lo=lo) + more)
     return simulate(load_scenario(path))
 
 
@@ -259,6 +260,21 @@ def test_a_gap_in_the_recording(cold_log):
     found = locate(log, load_config(flags=PLAIN))
     if found.fixes.fixed.any():
         assert np.abs(errors_m(found)).max() < 20.0
+
+
+def test_a_satellite_that_says_it_is_unhealthy_is_left_out(tmp_path):
+    """From the scenario's key through its message to the fix: D1 and D2."""
+    table = "[[sky.satellite]]\nprn = {}\nhealthy = false\n"
+    found = locate(
+        sky_log(tmp_path, 36.0, more=table.format(30) + table.format(3)),
+        load_config(flags=PLAIN | {"navigation.files": str(BROADCAST)}),
+    )
+    used = {s.name for s in found.route.satellites if s.used[found.route.sample_time_s > 34].any()}
+    assert "C30" not in used and "C27" in used
+    assert any(note.startswith("unhealthy: ") and "C30" in note for note in found.notes)
+    sent = {e.prn: e.health for e in decode(sky_log(tmp_path, 34.0)).ephemerides}
+    assert not any(sent.values())
+    assert np.abs(errors_m(found)).max() < 20.0
 
 
 def test_wrong_time_gives_no_wrong_fix(short_log):

@@ -34,7 +34,7 @@ def alarm(name, measurements, states, settings, quantity=None):
     """Decision of the threshold rule on the first series, or the one named."""
     for series in aided.find(name).statistics(measurements, states, settings):
         if quantity in (None, series.quantity):
-            return decision.find("threshold")(series, settings.detection), series
+            return decision.decide(series, settings.detection), series
     raise AssertionError(quantity)
 
 
@@ -126,7 +126,7 @@ def test_a_drifting_ins_raises_no_alarm(grade, way):
     clean = measured(way, TIMES)
     for name in aided.AIDED:
         for series in aided.find(name).statistics(clean, states, settings):
-            assert decision.find("threshold")(series, settings.detection) is None, name
+            assert decision.decide(series, settings.detection) is None, name
 
 
 def test_the_published_drag_is_found_at_once_and_the_alarm_stays():
@@ -182,7 +182,7 @@ def test_single_satellites_are_named():
     for series in aided.find("rate_satellites").statistics(
         attacked, true_states(way, TIMES), settings
     ):
-        decided = decision.find("threshold")(series, settings.detection)
+        decided = decision.decide(series, settings.detection)
         if decided:
             found[series.system, series.prn] = abs(decided.statistic / decided.threshold)
     assert max(found, key=found.get) == ("C", 3)

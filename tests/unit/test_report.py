@@ -16,6 +16,7 @@ from sdr_spoof.detectors import DetectionConfig
 from sdr_spoof.errors import OutputError
 from sdr_spoof.records import Acquisition
 from sdr_spoof.report import TruthMark, estimate_spectrum, print_verdict, write_report
+from sdr_spoof.report.evidence import EvidenceBook
 from sdr_spoof.report.figures import style
 from sdr_spoof.report.figures.satellite import code_minus_carrier_m, correlation_shape
 from sdr_spoof.report.words import headline
@@ -77,6 +78,13 @@ def test_nothing_is_loaded_from_elsewhere(report):
     sources = re.findall(r'src="([^"]{0,30})', report)
     assert len(sources) >= 8
     assert all(s.startswith("data:image/png;base64,") for s in sources)
+
+
+def test_without_what_detection_showed_the_tests_are_made_again(case, report, tmp_path):
+    book = EvidenceBook(case["detection"])
+    verdict = detect(case["log"], case["detection"], look=book.take)
+    path = write_report(tmp_path / "r.html", **{**case, "verdict": verdict}, book=book)
+    assert path.read_text(encoding="utf-8") == report
 
 
 def test_every_image_is_a_png_without_a_date_and_has_a_text(report):

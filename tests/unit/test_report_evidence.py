@@ -34,7 +34,8 @@ def evidence(log, verdict):
     taken = Evidence()
     for series in statistics(log, CONFIG):
         if series.time_s.size:
-            taken.take(series, share_of(CONFIG), verdict.satellites[0].alarms)
+            taken.take(series, share_of(CONFIG))
+    taken.judge(verdict.satellites[0].alarms)
     return taken
 
 
@@ -69,7 +70,7 @@ def test_sections_of_a_track_make_one_difference(log, evidence):
             trace_time_s=series.trace_time_s[part],
             trace_segment=series.trace_segment[part],
         )
-        taken.take(section, share_of(CONFIG), ())
+        taken.take(section, share_of(CONFIG))
     time_s, value = taken.difference.joined()
     whole_s, whole = evidence.difference.joined()
     np.testing.assert_array_equal(time_s, whole_s)
@@ -94,7 +95,7 @@ def test_long_lines_stay_small():
 
 
 def test_the_table_has_a_place_for_each_detector(evidence):
-    book = EvidenceBook()
+    book = EvidenceBook(CONFIG)
     book.satellites["C", 23] = evidence
     names = ("power", "phase_difference_rate")
     assert list(book.rows(names, [("C", 7), ("C", 23)])) == [

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import BaseModel, ConfigDict, Field
 
 
@@ -20,10 +22,16 @@ class AidedConfig(BaseModel):
         description="Quality of the IMU, by name: navigation, tactical, industrial, mems, n1, n2, "
         "ship-a, ship-b; empty: what [tight] and [rate] say.",
     )
+    oscillator: Literal["", "ideal", "TCXO", "poor-TCXO", "OCXO"] = Field(
+        "TCXO", description="The receiver's oscillator; empty: what [tight] says of the clock."
+    )
     attitude_deg: tuple[float, float, float] | None = Field(
         None,
         description="Yaw (from north to east), pitch and roll at the start, in degrees; none: "
         "found by alignment.",
+    )
+    align_s: float = Field(
+        60.0, ge=5.0, description="At most so much of the beginning is used to align, in s."
     )
     integrity_risk: float = Field(
         1e-5,

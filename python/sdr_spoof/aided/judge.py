@@ -7,13 +7,15 @@
 3. **clean**: no alarm, and something could be tested for ``min_tested_s``.
 4. **not enough support**: anything else, such as an INS that is too old to be a witness.
 
-Alarms latch. The onset is the earliest that an alarm tells; the severity is how far GNSS alone was
+Alarms latch. The onset is the median of what the alarms say that date it before the first of them,
+since one estimate may be off by seconds; the severity is how far GNSS alone was
 led away from the aided place while satellites were not believed.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from statistics import median_high
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -65,6 +67,7 @@ def judge(
     limits: str = "",
     tests: float = 1.0,
     min_tested_s: float = MIN_TESTED_S,
+    named: Sequence[str] = (),
 ) -> AidedVerdict:
     """The rule of this module.
 
@@ -75,6 +78,7 @@ def judge(
         limits: what the tests cannot see.
         tests: independent tests made, by which the probability of a false alarm is multiplied.
         min_tested_s: less is not enough support for 'clean'.
+        named: satellites that the filter has named, if only for an instant.
     """
     alarmed = [m for m in monitors if m.alarm_s is not None]
     tested_s = max((_tested_s(m) for m in monitors), default=0.0)
@@ -89,8 +93,10 @@ def judge(
         return replace(quiet, verdict=CLEAN if enough else NO_SUPPORT, reason=why)
     alarm_s = min([m.alarm_s for m in alarmed if m.alarm_s is not None] + [a for a, _ in spans])
     onsets = [m.onset_s for m in alarmed if m.onset_s is not None]
-    onset_s = min([*onsets, alarm_s])
+    before = [o for o in onsets if o <= alarm_s]
+    onset_s = median_high(before) if before else alarm_s
     names, everybody = _left_out(track)
+    names = tuple(sorted({*names, *named}))
     excluded = bool(names) or everybody or any(m.decides for m in alarmed)
     verdict = SPOOFED if excluded else SUSPECT
     return replace(

@@ -19,6 +19,8 @@ from sdr_spoof.aiding.tight import run as run_filter
 from sdr_spoof.aiding.tight.solution import FLOOR
 from sdr_spoof.errors import AidingError
 from sdr_spoof.progress import silent
+from sdr_spoof.scenario.sky.clock import ALLAN
+from sdr_spoof.signals import LIGHT_M_S
 
 from .clocks import on_one_clock
 from .filtered import body_velocity, monitors_of, published_of, three_way, track_of
@@ -29,7 +31,7 @@ from .start import begin
 if TYPE_CHECKING:
     from sdr_spoof.aiding.error_growth import AlignmentSigma
     from sdr_spoof.aiding.records import ImuLog, Measurements
-    from sdr_spoof.aiding.tight import TightSolution
+    from sdr_spoof.aiding.tight import TightConfig, TightSolution
     from sdr_spoof.config import Config
     from sdr_spoof.nav.time import GnssTime
     from sdr_spoof.progress import Stages
@@ -37,6 +39,8 @@ if TYPE_CHECKING:
     from .judge import AidedVerdict
     from .records import AidedTrack, Monitor
 
+LEAST_CLOCK_M2_S, LEAST_DRIFT_M2_S3 = 1e-3, 1e-6
+"""Of even the best oscillator: what is left of the model's own error."""
 STATES_HZ = 10.0
 """Rate of the states of the free INS, at least."""
 
@@ -97,7 +101,7 @@ def aid(measurements: Measurements, log: ImuLog, config: Config, stages: Stages 
         InertialError: the increments are unusable.
         ConfigError: a wrong name in the configuration.
     """
-    config = with_grade(config)
+    config = with_hardware(config)
     log = on_one_clock(log, measurements)
     with stages("Aligning"):
         beginning = begin(log, measurements, config)
@@ -115,6 +119,7 @@ def aid(measurements: Measurements, log: ImuLog, config: Config, stages: Stages 
         " ".join((FLOOR, *rates.limits)),
         rates.tests + float(np.isfinite(solution.deviates).sum()),
         config.aided.min_tested_s,
+        [name for e in solution.events if e.state == "partial" for name in e.excluded],
     )
     return Aided(
         verdict,
@@ -133,27 +138,35 @@ def aid(measurements: Measurements, log: ImuLog, config: Config, stages: Stages 
     )
 
 
-def with_grade(config: Config) -> Config:
-    """The configuration with the noise of a named grade of IMU, where one is named.
+def with_hardware(config: Config) -> Config:
+    """The configuration with the noise of a named IMU and oscillator, where it says none itself.
+
+    White frequency noise h0 makes the clock's offset walk by c^2 h0 / 2, random-walk noise h-2 its
+    drift by 2 pi^2 c^2 h-2 (see :mod:`sdr_spoof.scenario.sky.clock`).
 
     Raises:
         ConfigError: there is no such grade.
     """
-    if not config.aided.grade:
-        return config
-    grade = named(config.aided.grade)
-    gyro, force = grade.gyro, grade.accelerometer
-    noise = {
-        "gyro_bias_deg_h": math.hypot(gyro.bias, gyro.wander) / DEG_HOUR,
-        "gyro_walk_deg_sqrt_h": gyro.density / DEG_ROOT_HOUR,
-        "accelerometer_bias_ug": math.hypot(force.bias, force.wander) / MICRO_G,
-        "accelerometer_walk_ug_sqrt_hz": force.density / MICRO_G,
-    }
-    given = config.tight.model_fields_set
-    update = {name: value for name, value in noise.items() if name not in given}
-    tight = config.tight.model_copy(update=update)
-    rate = config.rate.model_copy(update={"grade": grade.name})
-    return config.model_copy(update={"tight": tight, "rate": rate})
+    noise, rate = {}, config.rate
+    if config.aided.oscillator:
+        h0, _, h_2 = ALLAN[config.aided.oscillator]
+        noise["clock_m2_s"] = max(0.5 * LIGHT_M_S**2 * h0, LEAST_CLOCK_M2_S)
+        noise["clock_drift_m2_s3"] = max(2 * (math.pi * LIGHT_M_S) ** 2 * h_2, LEAST_DRIFT_M2_S3)
+    if config.aided.grade:
+        grade = named(config.aided.grade)
+        gyro, force = grade.gyro, grade.accelerometer
+        noise["gyro_bias_deg_h"] = math.hypot(gyro.bias, gyro.wander) / DEG_HOUR
+        noise["gyro_walk_deg_sqrt_h"] = gyro.density / DEG_ROOT_HOUR
+        noise["accelerometer_bias_ug"] = math.hypot(force.bias, force.wander) / MICRO_G
+        noise["accelerometer_walk_ug_sqrt_hz"] = force.density / MICRO_G
+        rate = rate.model_copy(update={"grade": grade.name})
+    return config.model_copy(update={"tight": _unless_given(config.tight, noise), "rate": rate})
+
+
+def _unless_given(tight: TightConfig, update: dict[str, float]) -> TightConfig:
+    """What the configuration says itself stays."""
+    own = tight.model_fields_set
+    return tight.model_copy(update={k: v for k, v in update.items() if k not in own})
 
 
 def _with_sigma(config: Config, sigma: AlignmentSigma | None) -> Config:
@@ -166,9 +179,8 @@ def _with_sigma(config: Config, sigma: AlignmentSigma | None) -> Config:
         "start_level_deg": math.degrees(max(sigma.attitude_rad[:2])),
         "start_heading_deg": math.degrees(sigma.attitude_rad[2]),
     }
-    given = config.tight.model_fields_set
-    update = {name: max(v, 1e-3) for name, v in found.items() if name not in given}
-    return config.model_copy(update={"tight": config.tight.model_copy(update=update)})
+    update = {name: max(v, 1e-3) for name, v in found.items()}
+    return config.model_copy(update={"tight": _unless_given(config.tight, update)})
 
 
 def _rates(

@@ -177,6 +177,11 @@ def _run(
         vertical=planned.vertical,
         earth_fixed=planned.mechanisation == "earth-fixed",
     )
+    if not np.isfinite(states).all():
+        raise InertialError(
+            "the INS has run away to where no number tells: look at the increments, and use "
+            "earth-fixed axes near the poles"
+        )
     return RunStates(
         planned.log.reference,
         planned.output_s(),

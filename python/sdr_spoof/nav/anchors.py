@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
+from itertools import groupby, pairwise
 from typing import TYPE_CHECKING
 
 from .. import _core
@@ -15,7 +15,7 @@ from .symbols import code_phase_at
 from .time import GnssTime
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from ..gaps import Span
     from ..records import SignalTrack
@@ -46,14 +46,8 @@ def from_frames(
         gaps: samples are missing somewhere within; there, only what was seen to be in step counts.
     """
     groups: list[list[Frame]] = []
-    for frame in frames:
-        if groups and _agree(groups[-1][-1], frame):
-            groups[-1].append(frame)
-        else:
-            groups.append([frame])
-    if len(groups) > 1 and any(len(g) >= CERTAIN_FRAMES for g in groups):
-        # A single frame between others that agree is one whose time was misread.
-        groups = _joined([g for g in groups if len(g) >= CERTAIN_FRAMES])
+    for _, part in groupby(frames, lambda f: sum(begin < f.time_s for begin, _ in gaps)):
+        groups += _agreeing(part)
     gaps = [*gaps, *_jumps(groups, reach, gaps)]
     return [
         Anchor(
@@ -65,6 +59,20 @@ def from_frames(
         )
         for group in groups
     ]
+
+
+def _agreeing(frames: Iterable[Frame]) -> list[list[Frame]]:
+    """Groups of frames that agree on the time."""
+    groups: list[list[Frame]] = []
+    for frame in frames:
+        if groups and _agree(groups[-1][-1], frame):
+            groups[-1].append(frame)
+        else:
+            groups.append([frame])
+    if len(groups) > 1 and any(len(g) >= CERTAIN_FRAMES for g in groups):
+        # A single frame between others that agree is one whose time was misread.
+        groups = _joined([g for g in groups if len(g) >= CERTAIN_FRAMES])
+    return groups
 
 
 def _jumps(

@@ -12,7 +12,7 @@ from ..signals import satellite_name, signal_spec
 from . import anchors
 from .broadcast import Contents
 from .messages import MESSAGES, message_on
-from .missing import Missing, missing, outages, overlap
+from .missing import Missing, missing, out_of_step, outages, overlap, touch
 from .missing import sentences as told_in_words
 from .plausible import objection
 from .records import Anchor, Frame, Navigation, SymbolRun
@@ -83,12 +83,10 @@ def _navigation(
     decoded, notes = _with_weeks(decoded, near)
     gaps = _missing(decoded)
     told = [m.span for m in gaps]
-    told += [span for span in lost if not any(overlap(span, other) for other in told)]
-    notes = [
-        *sentences(g for g in seen if not any(overlap(g.span, t) for t in told)),
-        *told_in_words(gaps),
-        *notes,
-    ]
+    unexplained = [g for g in seen if not any(overlap(g.span, t) for t in told)]
+    for spans in ([g.span for g in seen], out_of_step(_ends(decoded)), lost):
+        told += [span for span in spans if not any(touch(span, other) for other in told)]
+    notes = [*sentences(unexplained), *told_in_words(gaps), *notes]
     notes += _disagreements(decoded, gaps)
     found = []
     for d in decoded:
@@ -100,6 +98,19 @@ def _navigation(
     anchored, notes = tuple(found), [*notes, *more]
     navigation = Navigation(**vars(contents), frames=frames, anchors=anchored, notes=tuple(notes))
     return navigation, told
+
+
+def _ends(decoded: Iterable[_Decoded]) -> list[tuple[str, Reach, Reach]]:
+    """Of each run with frames its satellite, and what is in step with the first and the last."""
+    return [
+        (
+            satellite_name(d.frames[0].system, d.frames[0].prn),
+            d.reach(d.frames[0]),
+            d.reach(d.frames[-1]),
+        )
+        for d in decoded
+        if d.frames
+    ]
 
 
 def _missing(decoded: Iterable[_Decoded]) -> list[Missing]:

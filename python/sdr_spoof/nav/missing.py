@@ -76,7 +76,8 @@ def between(a: Frame, after: Reach, b: Frame, before: Reach) -> Span:
     Not later than the first word that fails in step with the one; not earlier than the last that
     fails in step with the other.
     """
-    from_s = min(a.time_s + (1.0 if a.ok else HEAD) * a.duration_s, after.run_until_s)
+    # Beyond its head a frame may have gone on with blanks, which hold wherever they begin.
+    from_s = min(a.time_s + HEAD * a.duration_s, after.run_until_s)
     until_s = max(b.time_s, before.run_from_s)
     if after.failed_after_s is not None:
         until_s = min(until_s, after.failed_after_s)
@@ -101,6 +102,25 @@ def _joined(group: Sequence[Missing]) -> Missing:
     until_s = sorted(m.until_s for m in group)[:SATELLITES][-1]
     names = frozenset().union(*(m.satellites for m in group))
     return Missing(min(from_s, until_s), until_s, group[0].missing_s, names)
+
+
+def out_of_step(ends: Iterable[tuple[str, Reach, Reach]]) -> list[Span]:
+    """Where samples are missing by words that fail before the first frame, or after the last one,
+    of two satellites: of each its name, and how far it is in step with these frames."""
+    spans = []
+    for name, first, last in ends:
+        if first.failed_before_s is not None and math.isfinite(first.from_s):
+            spans.append((name, (first.failed_before_s, first.from_s)))
+        if last.failed_after_s is not None and math.isfinite(last.until_s):
+            spans.append((name, (last.until_s, last.failed_after_s)))
+    found: list[Span] = []
+    for name, span in sorted(spans, key=lambda s: s[1][1]):
+        others = [s for n, s in spans if n != name and overlap(s, span)]
+        if others and not any(overlap(span, f) for f in found):
+            # Neither the latest beginning nor the earliest end is taken at its word.
+            begins = sorted([span[0], *(s[0] for s in others)])
+            found.append((begins[-SATELLITES], min(s[1] for s in others)))
+    return found
 
 
 def overlap(a: Span, b: Span) -> bool:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sdr_spoof.detectors import DetectionConfig, StatisticSeries
-from sdr_spoof.fusion import evidence_of
-from sdr_spoof.records import Alarm
+from sdr_spoof.fusion import evidence_of, share_of
+from sdr_spoof.records import Alarm, Verdict
 from sdr_spoof.report.figures import style
 
 DRAWN_QUALITY = ("delta_metric", "ratio_metric")
@@ -51,7 +51,7 @@ class Cell:
 
     of_threshold: float
     """Largest |statistic| / threshold."""
-    alarm_s: float | None
+    alarm_s: float | None = None
     """When it first raised an alarm."""
 
 
@@ -69,12 +69,12 @@ class Evidence:
     """By detector."""
     _difference_of: str | None = None
 
-    def take(
-        self, series: StatisticSeries, config: DetectionConfig, alarms: tuple[Alarm, ...]
-    ) -> None:
+    def take(self, series: StatisticSeries, config: DetectionConfig) -> None:
         """Keep what the report needs of a series that is not empty."""
         ratio = series.value / series.threshold(config.false_alarm_probability)
-        self._fill_cell(series.detector, float(np.abs(ratio).max()), alarms)
+        known = self.cells.get(series.detector, Cell(0.0))
+        largest = max(known.of_threshold, float(np.abs(ratio).max()))
+        self.cells[series.detector] = Cell(largest)
         of = series.detector, series.signal
         if evidence_of(series.detector) == "consistency":
             line = self.consistency.setdefault(of, Line(series.detector, series.signal))
@@ -87,10 +87,11 @@ class Evidence:
             if series.detector == self._difference_of:
                 self._add_difference(series)
 
-    def _fill_cell(self, detector: str, ratio: float, alarms: tuple[Alarm, ...]) -> None:
-        known = self.cells.get(detector)
-        first_s = min((a.alarm_s for a in alarms if a.detector == detector), default=None)
-        self.cells[detector] = Cell(max(ratio, known.of_threshold if known else 0.0), first_s)
+    def judge(self, alarms: Sequence[Alarm]) -> None:
+        """Enter when each detector first alarmed."""
+        for name, cell in self.cells.items():
+            first_s = min((a.alarm_s for a in alarms if a.detector == name), default=None)
+            self.cells[name] = replace(cell, alarm_s=first_s)
 
     def _add_difference(self, series: StatisticSeries) -> None:
         """Go on where the last section ended: sections overlap, and start from levels of theirs."""
@@ -132,11 +133,25 @@ def broken(
 
 @dataclass
 class EvidenceBook:
-    """Evidence of all satellites, by (system, PRN)."""
+    """Evidence of all satellites, gathered while detection runs: ``detect(look=book.take)``."""
 
+    config: DetectionConfig
+    """What the tests are made with, all detectors together."""
     satellites: dict[tuple[str, int], Evidence] = field(
         default_factory=lambda: defaultdict(Evidence)
     )
+    """By (system, PRN)."""
+
+    def take(self, series: StatisticSeries) -> None:
+        """Keep what the report needs of a series."""
+        if series.time_s.size:
+            self.satellites[series.system, series.prn].take(series, share_of(self.config))
+
+    def judge(self, verdict: Verdict) -> None:
+        """Enter the alarms."""
+        for satellite in verdict.satellites:
+            if (key := (satellite.system, satellite.prn)) in self.satellites:
+                self.satellites[key].judge(satellite.alarms)
 
     def rows(
         self, names: tuple[str, ...], order: list[tuple[str, int]]

@@ -52,19 +52,21 @@ def write_report(
     truth: TruthMark | None = None,
     located: Located | None = None,
     why_not_located: str = "",
+    book: EvidenceBook | None = None,
     force: bool = False,
 ) -> Path:
     """Writes the report; the same input gives the same bytes.
 
     ``recording`` is read for the spectrum and may be None; ``effective_config`` is the (nested)
-    configuration of the whole run; ``why_not_located`` says why there are no
-    positions. Raises OutputError if the file exists (unless ``force``) or cannot be written.
+    configuration of the whole run; ``why_not_located`` says why there are no positions; ``book``
+    has what detection showed, without it all tests are made again. Raises OutputError if the file
+    exists (unless ``force``) or cannot be written.
     """
     path = Path(path)
     if path.exists() and not force:
         raise OutputError(f"{path}: exists already; add --force to replace it")
     ordered = words.ordered(verdict)
-    tests = _draw_tests(log, ordered, detection, truth)
+    tests = _draw_tests(log, verdict, book or _book_of(log, detection), truth)
     verdicts = {(s.system, s.prn): s.verdict for s in ordered}
     signals = list(
         dict.fromkeys([t.signal for t in log.signals] or [a.signal for a in acquisitions])
@@ -122,40 +124,55 @@ def _on_top(satellite: SatelliteVerdict, ordered: Sequence[SatelliteVerdict]) ->
 class _Tests:
     """What was tested, and pictures of it."""
 
-    book: EvidenceBook = field(default_factory=EvidenceBook)
+    book: EvidenceBook
     overviews: dict[tuple[str, int], str] = field(default_factory=dict)
     alarms: dict[Alarm, str] = field(default_factory=dict)
     quiet: dict[tuple[str, int], str] = field(default_factory=dict)
     """Of satellites without an alarm."""
 
 
-def _draw_tests(
-    log: TrackLog,
-    satellites: Sequence[SatelliteVerdict],
-    config: DetectionConfig,
-    truth: TruthMark | None,
-) -> _Tests:
-    verdicts = {(s.system, s.prn): s for s in satellites}
-    detailed = {(s.system, s.prn) for s in satellites[:MOST_DETAILS]}
-    drawn = _Tests()
-    shown = share_of(config)
+def _book_of(log: TrackLog, config: DetectionConfig) -> EvidenceBook:
+    book = EvidenceBook(config)
     for series in statistics(log, config):
-        if series.time_s.size:
-            key = series.system, series.prn
-            drawn.book.satellites[key].take(series, shown, verdicts[key].alarms)
-            for alarm in verdicts[key].alarms[:MOST_ALARMS] if key in detailed else ():
-                if series.raised(alarm) and series.covers(alarm.alarm_s):
-                    drawn.alarms[alarm] = draw_difference(series, shown, alarm, _of(truth, *key))
+        book.take(series)
         del series  # before the next one is made: they are large
-    for satellite in satellites[:MOST_DETAILS]:
+    return book
+
+
+def _draw_tests(
+    log: TrackLog, verdict: Verdict, book: EvidenceBook, truth: TruthMark | None
+) -> _Tests:
+    book.judge(verdict)
+    satellites = words.ordered(verdict)[:MOST_DETAILS]
+    shown = [alarm for s in satellites for alarm in s.alarms[:MOST_ALARMS]]
+    drawn = _Tests(book, alarms=_draw_alarms(log, book.config, shown, truth))
+    for satellite in satellites:
         key = satellite.system, satellite.prn
-        if key not in drawn.book.satellites:
+        if key not in book.satellites:
             continue
-        case = Case.of(satellite, drawn.book.satellites[key], log, _of(truth, *key))
+        case = Case.of(satellite, book.satellites[key], log, _of(truth, *key))
         if satellite.alarms:
             drawn.overviews[key] = draw_overview(case)
         elif (quiet := draw_quiet(case)) is not None:
             drawn.quiet[key] = quiet
+    return drawn
+
+
+def _draw_alarms(
+    log: TrackLog, config: DetectionConfig, alarms: Sequence[Alarm], truth: TruthMark | None
+) -> dict[Alarm, str]:
+    """Measurement and statistic around alarms; their detectors run once more."""
+    names = [n for n in dict.fromkeys(config.detectors) if n in {a.detector for a in alarms}]
+    if not names:
+        return {}
+    some = share_of(config, len(names)).model_copy(update={"detectors": tuple(names)})
+    drawn = {}
+    for series in statistics(log, some):
+        for alarm in alarms:
+            if series.raised(alarm) and series.covers(alarm.alarm_s):
+                mark = _of(truth, alarm.system, alarm.prn)
+                drawn[alarm] = draw_difference(series, share_of(config), alarm, mark)
+        del series  # before the next one is made: they are large
     return drawn
 
 

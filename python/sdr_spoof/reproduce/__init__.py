@@ -11,14 +11,21 @@ from pathlib import Path
 from sdr_spoof.errors import ConfigError
 from sdr_spoof.progress import Stages, silent
 
-from . import array, combo, sprt_dme
+from . import array, combo, ins_rate, ship, sprt_dme
 from .output import check_folder, summary, write
 from .study import Effort, Reproduction, Study
 
 __all__ = ["STUDIES", "Effort", "Reproduction", "Study", "find", "reproduce", "summary"]
 
 STUDIES: dict[str, Study] = {
-    study.name: study for study in (combo.STUDY, array.STUDY, sprt_dme.STUDY)
+    study.name: study
+    for study in (
+        combo.STUDY,
+        ins_rate.STUDY,
+        ship.STUDY,
+        sprt_dme.STUDY,
+        array.STUDY,
+    )
 }
 """Every study, by name."""
 

@@ -64,7 +64,10 @@ def searched(prepared: Prepared, config: RateConfig, epoch_s: float) -> Searched
         found.same_set,
     )
     one = Steps(
-        *(part[None] for part in (steps.transition, steps.noise, steps.start, steps.gained)),
+        steps.transition[None],
+        steps.noise[None],
+        steps.start[None],
+        steps.gained[None],
         steps.aligned,
     )
     return search(given, one, max(2, round(config.onset_window_s / epoch_s)))

@@ -67,14 +67,14 @@ _BRIEF = (
     Grade(
         "navigation",
         "ring laser gyros; Honeywell HG9900, product brochure N61-1638; velocity random walk and "
-        "misalignment: Groves 2013, section 4.4 (aviation grade)",
+        "misalignment assumed, of the order of aviation grade in Groves 2013, section 4.4",
         SensorGrade(0.0035 * DEG_HOUR, 0.002 * DEG_ROOT_HOUR, scale=5 * PPM, misalignment_rad=1e-5),
         SensorGrade(25 * MICRO_G, 20 * MICRO_G, scale=100 * PPM, misalignment_rad=1e-5),
     ),
     Grade(
         "tactical",
-        "Honeywell HG1700, product brochure N61-1619 (0.065 ft/s/sqrt(h)); scale factors and "
-        "misalignments: Groves 2013, section 4.4 (tactical grade)",
+        "Honeywell HG1700, product brochure N61-1619 (0.065 ft/s/sqrt(h)); scale factors, "
+        "misalignments assumed, of the order of tactical grade in Groves 2013, section 4.4",
         SensorGrade(
             1.0 * DEG_HOUR,
             0.125 * DEG_ROOT_HOUR,

@@ -80,17 +80,17 @@ class TightConfig(BaseModel):
     )
     settle_s: float = Field(60.0, ge=0.0, description="No test before so long after the start.")
     threshold_rate: float = Field(
-        6.0, gt=0.0, description="Of sums of rate innovations, as a normal deviate."
+        4.75, gt=0.0, description="Of sums of rate innovations, as a normal deviate."
     )
     threshold_change: float = Field(
-        6.0, gt=0.0, description="Of sums of innovations of carrier phase."
+        4.75, gt=0.0, description="Of sums of innovations of carrier phase."
     )
-    threshold_code: float = Field(6.0, gt=0.0, description="Of sums of code innovations.")
+    threshold_code: float = Field(4.75, gt=0.0, description="Of sums of code innovations.")
     threshold_separation: float = Field(
-        6.0, gt=0.0, description="Of the separation from trusted copies."
+        4.1, gt=0.0, description="Of the separation from trusted copies."
     )
     threshold_clock: float = Field(
-        6.0, gt=0.0, description="Of the separation of the clock from trusted copies."
+        4.7, gt=0.0, description="Of the separation of the clock from trusted copies."
     )
     threshold_power_db: float = Field(
         5.0, gt=0.0, description="Rise of C/N0 of three satellites that counts as an attack."
@@ -110,7 +110,7 @@ class TightConfig(BaseModel):
         40.0, gt=0.0, description="All agree so long after an alarm: it was a false one."
     )
     pardon_s: float = Field(
-        180.0, gt=0.0, description="So long after an alarm it may turn out to be a false one."
+        600.0, gt=0.0, description="So long after an alarm it may turn out to be a false one."
     )
     dwell_after_step_s: float = Field(
         20.0, gt=0.0, description="All agree so long after they stepped back: they are used again."
@@ -194,7 +194,11 @@ class TightConfig(BaseModel):
 
 
 def as_published(states: Literal[17, 11] = 11, **other: Any) -> TightConfig:
-    """White noise of 3 m and 0.07 m/s, no robust weights, exclusion where R > 1."""
+    """White noise of 3 m and 0.07 m/s, no robust weights, exclusion where R > 1.
+
+    With 11 states process noise has to stand for the biases: random walks of 150 ug/sqrt(Hz) and
+    0.04 deg/sqrt(h) are for biases of 50 ug and 0.1 deg/h.
+    """
     published: dict[str, Any] = {
         "states": states,
         "exclusion": "printed",
@@ -204,4 +208,6 @@ def as_published(states: Literal[17, 11] = 11, **other: Any) -> TightConfig:
         "robust_sigma": 0.0,
         "reference_cn0_dbhz": 0.0,
     }
+    if states == 11:
+        published |= {"accelerometer_walk_ug_sqrt_hz": 150.0, "gyro_walk_deg_sqrt_h": 0.04}
     return TightConfig(**(published | other))

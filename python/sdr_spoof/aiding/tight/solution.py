@@ -23,10 +23,11 @@ USAGES = ("missing", "used", "weakened", "excluded")
 THREATS = ("none", "at risk", "attacked")
 """Verdict of the publication, by number."""
 FORMS = ("mean-square", "lag-1", "coherent")
+RATE_WINDOWS_S = (1, 3, 7, 14, 25, 50, 100)
 SPANS_S = (15, 30, 60, 150)
 TESTS = (
-    *(f"rates, {s} s" for s in (1, 3, 10, 30, 100)),
-    *(f"phase changes, {s} s" for s in (1, 3, 10, 30, 100)),
+    *(f"rates, {s} s" for s in RATE_WINDOWS_S),
+    *(f"phase changes, {s} s" for s in RATE_WINDOWS_S),
     *(f"codes, {s} s" for s in (1, 10, 30, 100)),
     *(f"separation, {s} to {2 * s} s" for s in SPANS_S),
     *(f"clock separation, {s} to {2 * s} s" for s in SPANS_S),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -29,6 +29,7 @@ QUIET: dict[str, Any] = {"color": "#009e73", "alpha": 0.13, "linewidth": 0}
 
 
 Dash = tuple[int, tuple[int, ...]]
+Place = Literal["upper center", "outside upper center"]
 SOLID: Dash = (0, ())
 DASHED: Dash = (0, (3, 1))
 DOTTED: Dash = (0, (2, 2))
@@ -66,17 +67,22 @@ def draw_quiet(case: Case) -> str | None:
     panels = [p for p in _panels(case) if p[1] not in (tracking_bar.draw, _cn0, _noise)]
     if not panels:
         return None
+    height = sum(h for h, _ in panels) + 0.9
 
     def draw(figure: Figure) -> None:
-        axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+        places = {
+            **{"left": 0.085, "right": 0.992, "hspace": 0.32},
+            **{"bottom": 0.48 / height, "top": 1 - 0.58 / height},
+        }
+        axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False, gridspec_kw=places)[:, 0]
         for one, (_, fill) in zip(axes, panels, strict=True):
             fill(one, case)
+            one.yaxis.set_label_coords(-0.055, 0.5)
         axes[-1].set_xlim(0, case.log.duration_s)
         axes[-1].set_xlabel("Time (s)")
-        figure.align_ylabels(list(axes))
-        _legend(figure, case)
+        _legend(figure, case, "upper center")
 
-    return style.render(draw, 10.0, sum(h for h, _ in panels) + 0.9)
+    return style.render(draw, 10.0, height, placed=True)
 
 
 def _panels(case: Case) -> list[Panel]:
@@ -210,7 +216,7 @@ def _marks(axes: Axes, case: Case) -> None:
         axes.axvline(time_s, color=style.TRUTH, linewidth=1.1, linestyle=dash)
 
 
-def _legend(figure: Figure | SubFigure, case: Case) -> None:
+def _legend(figure: Figure | SubFigure, case: Case, place: Place = "outside upper center") -> None:
     entries = [
         (_sample(style.colour(t.signal)), signal_spec(t.signal).composite) for t in case.tracks
     ]
@@ -227,7 +233,7 @@ def _legend(figure: Figure | SubFigure, case: Case) -> None:
     figure.legend(
         handles,
         names,
-        loc="outside upper center",
+        loc=place,
         ncols=5 if len(entries) <= 5 else 4,
         handlelength=2.4,
     )

@@ -13,6 +13,11 @@ from sdr_spoof import _core
 from sdr_spoof.records import SignalTrack, State
 from sdr_spoof.report.figures import style
 
+PLACES = {
+    **{"left": 0.07, "right": 0.992, "bottom": 0.095, "top": 0.9},
+    **{"wspace": 0.3, "hspace": 0.42},
+}
+"""Of the small multiples: this picture is drawn for every satellite, so it is not arranged anew."""
 C_M_S = 299_792_458.0
 SAMPLED_EPOCHS = 1 << 16
 """Of a longer track, 11 minutes of 10 ms, every n-th epoch is enough for a picture."""
@@ -22,7 +27,7 @@ def draw_satellite(tracks: Sequence[SignalTrack], onset_s: float | None, duratio
     """Small multiples over all signals of one satellite; ``onset_s`` splits before and after."""
 
     def draw(figure: Figure) -> None:
-        panels = figure.subplots(2, 3).ravel()
+        panels = figure.subplots(2, 3, gridspec_kw=PLACES).ravel()
         middle = onset_s if onset_s is not None else duration_s / 2.0
         shown = [track.sampled(SAMPLED_EPOCHS) for track in tracks]
         course = _reference_course(shown, middle)
@@ -44,9 +49,9 @@ def draw_satellite(tracks: Sequence[SignalTrack], onset_s: float | None, duratio
         _dress(panels, onset_s, duration_s)
         handles, names = panels[0].get_legend_handles_labels()
         if handles:
-            figure.legend(handles, names, loc="outside upper right", ncols=4)
+            figure.legend(handles, names, loc="upper right", ncols=4, borderaxespad=0.2)
 
-    return style.render(draw, 10.0, 5.0)
+    return style.render(draw, 10.0, 5.0, placed=True)
 
 
 def _line(

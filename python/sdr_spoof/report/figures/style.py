@@ -71,10 +71,18 @@ def colour(signal: str) -> str:
     return BAND_COLOURS.get(signal, MUTED)
 
 
-def png(draw: Callable[[Figure], None], width_in: float, height_in: float) -> bytes:
-    """Draws one figure and returns it as PNG; the same input gives the same bytes."""
+def png(
+    draw: Callable[[Figure], None], width_in: float, height_in: float, *, placed: bool = False
+) -> bytes:
+    """Draws one figure and returns it as PNG; the same input gives the same bytes.
+
+    ``placed``: ``draw`` says where axes and legends stand. Otherwise they are arranged so that
+    nothing overlaps, for which everything is measured and drawn twice.
+    """
     with rc_context(RC):  # type: ignore[arg-type]
-        figure = Figure(figsize=(width_in, height_in), dpi=140, layout="constrained")
+        figure = Figure(figsize=(width_in, height_in), dpi=140)
+        if not placed:
+            figure.set_layout_engine("constrained")
         FigureCanvasAgg(figure)
         draw(figure)
         buffer = io.BytesIO()
@@ -84,9 +92,11 @@ def png(draw: Callable[[Figure], None], width_in: float, height_in: float) -> by
     return buffer.getvalue()
 
 
-def render(draw: Callable[[Figure], None], width_in: float, height_in: float) -> str:
-    """Draws one figure and returns it as a data URI; the same input gives the same bytes."""
-    content = png(draw, width_in, height_in)
+def render(
+    draw: Callable[[Figure], None], width_in: float, height_in: float, *, placed: bool = False
+) -> str:
+    """Draws one figure and returns it as a data URI, as :func:`png` does."""
+    content = png(draw, width_in, height_in, placed=placed)
     return "data:image/png;base64," + base64.b64encode(content).decode("ascii")
 
 

@@ -46,11 +46,11 @@ def section(effort: Effort, stages: Stages, executor: Executor | None) -> Sectio
     return Section(
         "Drift of a free INS",
         text=(
-            "Two independent computations: increments of 100 Hz through the strapdown computer, and "
-            "a linear model of the errors in local axes. At rest both are within 1 % of the closed "
-            "forms R eps (1 - cos w t) and (b / w) sin w t. Perfect increments close over 1750 s of "
-            "random flight. Perfect heading is assumed throughout, as published; gyro-compassing "
-            f"with N1 would leave up to {compass_deg():.2f} degrees, "
+            "Two independent computations: increments of 100 Hz through the strapdown computer, "
+            "and a linear model of the errors in local axes. At rest both are within 1 % of the "
+            "closed forms R eps (1 - cos w t) and (b / w) sin w t. Perfect increments close over "
+            "1750 s of random flight. Perfect heading is assumed throughout, as published; "
+            f"gyro-compassing with N1 would leave up to {compass_deg():.2f} degrees, "
             f"{40 * np.radians(compass_deg()):.2f} m/s across the track at 40 m/s.",
         ),
         tables=[_static_table(still), _flight_table(flights)],
@@ -66,7 +66,7 @@ def compass_deg() -> float:
 
 def linear_standing() -> tuple[Floats, Floats]:
     """North velocity by the gyro and east velocity by the accelerometer, by the linear model."""
-    time_s = np.arange(2 * round(published.DURATION_S) + 1) * 0.5
+    time_s = np.asarray(np.arange(2 * round(published.DURATION_S) + 1) * 0.5, np.float64)
     nothing = np.zeros((1, time_s.size, 3))
     latitude = np.full((1, time_s.size), np.radians(ORIGIN[0]))
     level = np.broadcast_to(np.eye(3), (1, time_s.size, 3, 3))
@@ -157,10 +157,11 @@ def _flight_table(flights: Sequence[Flown]) -> Table:
     return Table(
         "strapdown",
         "Horizontal velocity error on random flights, by the strapdown computer",
-        ("INS", *times, "false alarms, east (%)", "false alarms, north (%)", "linear model apart"),
+        ("INS", *times, "false alarms, east (%)", "false alarms, north (%)", "model apart"),
         rows,
-        f"{len(flights)} flights at {published.DURATION_S:g} s; false alarms of the rate form at the "
-        "printed thresholds; last column: rms difference of the linear model over the rms error.",
+        f"{len(flights)} flights of {published.DURATION_S:g} s; false alarms of the rate form at "
+        "the printed thresholds; last column: rms difference of the linear model over the rms "
+        "error.",
     )
 
 

@@ -28,7 +28,7 @@ def draw_growth(hits: dict[tuple[str, str], NDArray[np.bool_]]) -> bytes:
     def draw(figure: Figure) -> None:
         axes = figure.subplots()
         for key, label, colour, dashes in LINES:
-            either = hits[key].any(axis=2)
+            either = np.asarray(hits[key].any(axis=2))
             share = 100 * either.reshape(len(either), -1, STEP).mean(axis=(0, 2))
             time_s = (np.arange(share.size) + 0.5) * STEP
             axes.plot(time_s, share, color=colour, ls=dashes, label=label)
@@ -39,6 +39,6 @@ def draw_growth(hits: dict[tuple[str, str], NDArray[np.bool_]]) -> bytes:
             ylim=(-2, 102),
         )
         axes.set_title("The rate form alarms earlier than the position form")
-        axes.legend(loc="lower right")
+        axes.legend(loc="center right")
 
     return style.png(draw, 8.4, 4.0)

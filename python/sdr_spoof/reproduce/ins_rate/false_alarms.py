@@ -74,8 +74,8 @@ def section(effort: Effort, stages: Stages) -> Section:
         text=(
             "The printed counts are of 1500 epochs, truncated: 37 are 2.46 %. A constant gyro bias "
             "of 0.1 deg/h moves the velocity of a free INS by R eps (1 - cos w t), 0.95 m/s after "
-            "650 s, and no constant threshold of 0.14 or 0.21 m/s holds against it. What is printed "
-            "would need gyros of 0.01 deg/h or better, or an alignment every four minutes.",
+            "650 s, and no constant threshold of 0.14 or 0.21 m/s holds against it. What is "
+            "printed would need gyros of 0.01 deg/h or better, or an alignment every four minutes.",
             "That the rate form is better than the position form is true after a fresh alignment "
             "only, or where the gyros are perfect; where they drift it has more false alarms.",
         ),

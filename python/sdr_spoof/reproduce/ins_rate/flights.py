@@ -78,7 +78,7 @@ def flight(number: int, between_s: float = BETWEEN_S) -> Trajectory:
 
 def sampled(flights: Sequence[Trajectory], step_s: float = 0.5) -> Sampled:
     """The flights at every ``step_s``."""
-    time_s = np.arange(round(DURATION_S / step_s) + 1) * step_s
+    time_s = np.asarray(np.arange(round(DURATION_S / step_s) + 1) * step_s, np.float64)
     parts = [_one(flight, time_s, step_s) for flight in flights]
     latitude, velocity, acceleration, attitude = (np.stack(p) for p in zip(*parts, strict=True))
     return Sampled(time_s, latitude, velocity, acceleration, attitude)

@@ -1,7 +1,8 @@
 """Settings and numbers of the publication, and those of the study of it.
 
-H. Chang, C. Pang, L. Zhang, Z. Guo, M. Lyu, Q. Wu, "An INS-Assisted BDS Pseudorange Rate Consistency
-Deception Signal Detection Method", Journal of Air Force Engineering University 23 (4), 2022.
+H. Chang, C. Pang, L. Zhang, Z. Guo, M. Lyu, Q. Wu, "An INS-Assisted BDS Pseudorange Rate
+Consistency Deception Signal Detection Method", Journal of Air Force Engineering University 23 (4),
+2022.
 """
 
 from __future__ import annotations

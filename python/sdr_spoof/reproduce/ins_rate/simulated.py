@@ -1,4 +1,4 @@
-"""What the sections share: flights with their drift, and the noise of the publication's receiver."""
+"""What the sections share: flights with their drift, and the noise of the receiver."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Fleet:
 
     def rate(self, case: str) -> Floats:
         """Error of the displacement over each second, east, north, up (R, M, 3), in m/s."""
-        return self.free.rate_m_s[CASES.index(case)]
+        return np.asarray(self.free.rate_m_s[CASES.index(case)])
 
     def position(self, case: str) -> Floats:
         """At the end of each second, (R, M, 3)."""
@@ -100,12 +100,6 @@ def white(rng: np.random.Generator, shape: tuple[int, ...], sigma: float) -> Flo
     """Noise of resolved rates whose satellites have white noise, (..., 3)."""
     root = np.linalg.cholesky(dilution())
     return np.asarray(sigma * rng.standard_normal((*shape, 3)) @ root.T)
-
-
-def differenced(rng: np.random.Generator, shape: tuple[int, int], sigma: float) -> Floats:
-    """Noise of changes over 1 s of resolved phases, MA(1), (R, M, 3)."""
-    runs, seconds = shape
-    return np.diff(white(rng, (runs, seconds + 1), sigma), axis=1)
 
 
 def position_noise(rng: np.random.Generator, shape: tuple[int, ...]) -> Floats:

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
     from .trajectory import Curve
 
-_GRID_S = 0.1
 _SPARE_S = 3.0
 """Before 0 s and after the end."""
 
@@ -59,6 +58,7 @@ def way(
     speed_m_s: float,
     heading_rad: float,
     ease_s: float = 1.0,
+    grid_s: float = 0.1,
 ) -> Way:
     """Drives the legs one after another.
 
@@ -69,13 +69,14 @@ def way(
         heading_rad: Heading at 0 s.
         ease_s: Rates come and go within this time: speeds and headings are smoothed by a triangle
             of this width.
+        grid_s: Spacing of the times of the result.
     """
-    time_s = np.arange(-_SPARE_S, duration_s + _SPARE_S + _GRID_S, _GRID_S)
+    time_s = np.arange(-_SPARE_S, duration_s + _SPARE_S + grid_s, grid_s)
     edges = np.concatenate([[0.0], np.cumsum([leg.duration_s for leg in legs])])
 
     def course(start: float, changes: list[float]) -> NDArray[np.float64]:
         values = start + np.concatenate([[0.0], np.cumsum(changes)])
-        return _eased(edges, values, time_s, ease_s)
+        return _eased(edges, values, time_s, round(ease_s / 2 / grid_s))
 
     speed = course(speed_m_s, [leg.speed_m_s for leg in legs])
     heading = course(heading_rad, [leg.heading_rad for leg in legs])
@@ -84,9 +85,9 @@ def way(
         time_s=time_s,
         speed_m_s=speed,
         heading_rad=heading,
-        turn_rad_s=np.gradient(heading, _GRID_S),
+        turn_rad_s=np.gradient(heading, grid_s),
         height_m=height,
-        climb_m_s=np.gradient(height, _GRID_S),
+        climb_m_s=np.gradient(height, grid_s),
         east_m=_integral(time_s, speed * np.sin(heading)),
         north_m=_integral(time_s, speed * np.cos(heading)),
         length_m=_integral(time_s, speed),
@@ -103,12 +104,14 @@ def _eased(
     edges_s: NDArray[np.float64],
     values: NDArray[np.float64],
     time_s: NDArray[np.float64],
-    ease_s: float,
+    half: int,
 ) -> NDArray[np.float64]:
-    box = np.ones(max(1, round(ease_s / 2 / _GRID_S)))
+    """A broken line, smoothed by a triangle of this many steps to either side."""
+    step_s = time_s[1] - time_s[0]
+    box = np.ones(max(1, half))
     kernel = np.convolve(box, box) / box.size**2
     spare = (kernel.size - 1) // 2
-    wide_s = time_s[0] + _GRID_S * np.arange(-spare, time_s.size + spare)
+    wide_s = time_s[0] + step_s * np.arange(-spare, time_s.size + spare)
     return np.convolve(np.interp(wide_s, edges_s, values), kernel, "valid")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 
 _EARTH_RATE = {"G": 7.2921151467e-5, "C": 7.292115e-5}
 """IS-GPS-200, table 20-IV; BDS-SIS-ICD-B1I-3.0, section 3.2."""
+UNHEALTHY = {"G": 0b111111, "C": 1}
+"""IS-GPS-200, 20.3.3.3.1.4: all signals bad; BDS-SIS-ICD-B1I-3.0, 5.2.4.6, and B1C, 7.14."""
 DEFAULT = Path(__file__).parents[1] / "data" / "brdc-2023-03-12.rnx"
 """Broadcast orbits of GPS and BDS of 2023-03-12, 10 to 14 h (see NOTICE)."""
 
@@ -71,7 +74,13 @@ def chosen(
             best[name] = ephemeris
     if not best:
         raise ValueError(_stale(table, known, start, duration_s))
-    return tuple(best.values())
+    return tuple(_as_sent(e, table) for e in best.values())
+
+
+def _as_sent(ephemeris: Ephemeris, table: SkyTable) -> Ephemeris:
+    """With the health that the satellite is to tell."""
+    healthy = table.override(ephemeris.system, ephemeris.prn).healthy
+    return ephemeris if healthy else replace(ephemeris, health=UNHEALTHY[ephemeris.system])
 
 
 def _off_s(ephemeris: Ephemeris, start: GnssTime, duration_s: float) -> float:

@@ -16,6 +16,8 @@ from .waves import SEAS, Hull, Sea
 _TURN_DEG_S = (0.4, 1.0)
 _TURN_DEG = (20.0, 90.0)
 _EASE_S = 8.0
+_GRID_S = 0.2
+"""Ships and what is left of waves under them are slow."""
 _SLENDER = 5.0
 
 
@@ -48,6 +50,7 @@ class Ship(Drawn):
             speed_m_s=self.speed_m_s,
             heading_rad=heading,
             ease_s=_EASE_S,
+            grid_s=_GRID_S,
         )
         hull = Hull(
             length_m=self.length_m,

@@ -34,6 +34,7 @@ class SatelliteOverride(BaseModel):
     cn0_dbhz: float | None = Field(None, description="C/N0 of each signal, at any elevation")
     signals: tuple[str, ...] | None = Field(None, description="its signals")
     on_air: bool = Field(True, description="false: it is left out")
+    healthy: bool = Field(True, description="false: it sends as ever, and that it is unhealthy")
 
 
 class SkyTable(BaseModel):

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -34,7 +34,7 @@ SEAS = (
 _GRAVITY_M_S2 = 9.80665
 _RANGE = (0.5, 4.0)
 """Frequencies, against the modal one."""
-_WAVES = 40
+_WAVES = 32
 
 
 @dataclass(frozen=True)
@@ -78,24 +78,28 @@ class Sea:
     def moves(self, ship: Way, hull: Hull) -> tuple[NDArray[np.float64], ...]:
         """Heave in m, pitch and roll in rad of a ship on its way, (N,) each."""
         number = self.rate_rad_s**2 / _GRAVITY_M_S2
-        ahead_m = ship.north_m * math.cos(self.towards_rad) + ship.east_m * math.sin(
-            self.towards_rad
-        )
-        angle = ahead_m[:, None] * number - ship.time_s[:, None] * self.rate_rad_s
+        north, east = math.cos(self.towards_rad), math.sin(self.towards_rad)
+        ahead_m = ship.north_m * north + ship.east_m * east
+        angle = np.stack([ahead_m, -ship.time_s], axis=-1) @ np.stack([number, self.rate_rad_s])
         angle += self.phase_rad
-        wave = np.exp(1j * angle)
-
-        def answer(period_s: float, damping: float, size: NDArray[np.float64]) -> Any:
-            return wave @ (size * oscillator(self.rate_rad_s, period_s, damping))
-
-        ends, sides = (np.exp(-((number * m) ** 2) / 24) for m in (hull.length_m, hull.beam_m))
-        heave = answer(hull.heave_s, hull.heave_damping, self.amplitude_m * ends).real
-        # The slope is the derivative along the way of the waves.
-        slope = self.amplitude_m * number
-        along = -answer(hull.pitch_s, hull.pitch_damping, slope * ends).imag
-        across = -answer(hull.roll_s, hull.roll_damping, slope * sides).imag
+        answers = self._answers(hull, number)
+        moved = np.cos(angle) @ answers.real - np.sin(angle) @ answers.imag
+        heave, along, across = moved.T
         bearing = self.towards_rad - ship.heading_rad
         return heave, along * np.cos(bearing), -across * np.sin(bearing)
+
+    def _answers(self, hull: Hull, number: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """Of heave, and of the slope in pitching and in rolling, to each wave, (W, 3)."""
+        ends, sides = (np.exp(-((number * m) ** 2) / 24) for m in (hull.length_m, hull.beam_m))
+        # The slope is the derivative along the way of the waves: a quarter of a cycle ahead.
+        slope = 1j * self.amplitude_m * number
+        rate = self.rate_rad_s
+        parts = [
+            self.amplitude_m * ends * oscillator(rate, hull.heave_s, hull.heave_damping),
+            slope * ends * oscillator(rate, hull.pitch_s, hull.pitch_damping),
+            slope * sides * oscillator(rate, hull.roll_s, hull.roll_damping),
+        ]
+        return np.stack(parts, axis=-1)
 
 
 def bretschneider(

@@ -25,6 +25,8 @@ from .reader import Reader, text_of
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from numpy.typing import NDArray
+
     from ..config import ImuConfig
 
 _LOGS = {"RAWIMUA": False, "RAWIMUSA": False, "RAWIMUXA": True, "RAWIMUSXA": True}
@@ -93,21 +95,7 @@ def read(path: Path, config: ImuConfig) -> ImuRows:
     Raises:
         InertialError: no usable line, or the IMU is not known.
     """
-    rows, kinds, broken = [], set(), 0
-    for line in text_of(path).splitlines():
-        if line[:1] not in "#%" or line[1:].partition(",")[0] not in _LOGS:
-            continue
-        parsed = _line(line)
-        if parsed is None:
-            broken += 1
-            continue
-        kind, values = parsed
-        kinds.add(kind)
-        rows.append(values)
-    if not rows:
-        hint = f"the checksums of all {broken} are wrong" if broken else "there is none"
-        raise InertialError(f"{path}: has no usable line of {', '.join(_LOGS)}: {hint}")
-    table = np.array(rows)
+    table, kinds = _table(path)
     week = int(table[0, 0])
     first_s = float(np.floor(table[0, 1]))
     scale = _scale(path, kinds, config)
@@ -123,6 +111,17 @@ def read(path: Path, config: ImuConfig) -> ImuRows:
         gyro_unit=gyro_unit,
         accel_unit=accel_unit,
     )
+
+
+def _table(path: Path) -> tuple[NDArray[np.float64], set[int | None]]:
+    """Rows of week, seconds and six counts, and the types of IMUs."""
+    starts = tuple(f"{mark}{name}," for name in _LOGS for mark in "#%")
+    lines = [_line(line) for line in text_of(path).splitlines() if line.startswith(starts)]
+    good = [line for line in lines if line is not None]
+    if not good:
+        hint = f"the checksums of all {len(lines)} are wrong" if lines else "there is none"
+        raise InertialError(f"{path}: has no usable line of {', '.join(_LOGS)}: {hint}")
+    return np.array([values for _, values in good]), {kind for kind, _ in good}
 
 
 def _line(line: str) -> tuple[int | None, list[float]] | None:

@@ -9,7 +9,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::covariance::{Square, Transition, WORK_ROWS};
 use super::windows::deviate;
-use super::{CLOCK, DRIFT, NAV, POSITION};
+use super::{CLOCK, DRIFT, NAV, POSITION, VELOCITY};
 
 /// Youngest age of the tested copy of each pair, s; the oldest is twice that.
 pub const SPANS: [f64; 4] = [15.0, 30.0, 60.0, 150.0];
@@ -27,7 +27,7 @@ pub struct Copy {
     pub born: f64,
 }
 
-/// Deviates of separation: position and velocity, clock and drift.
+/// Deviates of separation: horizontal position and velocity; clock and drift.
 pub type Separation = [f64; 2];
 
 impl Copy {
@@ -42,10 +42,10 @@ impl Copy {
     /// How unlikely its distance from the navigator is; `slack` times the navigator's covariance
     /// is allowed for besides.
     pub fn separation(&self, navigator: &Square, slack: f64) -> Separation {
-        let all = |k: usize| POSITION + k;
+        let level = |k: usize| [POSITION, POSITION + 1, VELOCITY, VELOCITY + 1][k];
         let clock = |k: usize| [CLOCK, DRIFT][k];
         [
-            self.deviate_of::<6>(all, navigator, slack),
+            self.deviate_of::<4>(level, navigator, slack),
             self.deviate_of::<2>(clock, navigator, slack),
         ]
     }

@@ -31,7 +31,7 @@ impl Transition {
     /// Covariance at the end (n x n, row by row, navigation states first); `work` holds 10 rows.
     pub fn spread(&self, p: &mut [f64], n: usize, work: &mut [f64]) {
         for _ in 0..2 {
-            self.from_left(p, n, work);
+            self.multiply(p, n, work);
             transpose(p, n);
         }
         for (row, noise) in self.noise.iter().enumerate() {
@@ -41,7 +41,8 @@ impl Transition {
         }
     }
 
-    fn from_left(&self, p: &mut [f64], n: usize, work: &mut [f64]) {
+    /// P = phi P.
+    fn multiply(&self, p: &mut [f64], n: usize, work: &mut [f64]) {
         for (out, row) in work.chunks_exact_mut(n).zip(MOVING) {
             out.fill(0.0);
             for (k, &factor) in self.phi[row].iter().enumerate() {

@@ -127,9 +127,16 @@ impl ErrorFilter {
         self.x.fill(0.0);
     }
 
-    /// Moves on in time; nothing may be found and not corrected.
+    /// Moves on in time.
     pub fn predict(&mut self, step: &Transition) {
         let n = self.layout.count;
+        let (navigation, behind) = self.x.split_at_mut(NAV);
+        step.carry(navigation.try_into().expect("navigation states"));
+        if self.layout.wander.is_some() {
+            let keeps = (-step.interval / self.wander_time).exp();
+            let coloured = self.layout.systems - NAV;
+            behind[..coloured].iter_mut().for_each(|x| *x *= keeps);
+        }
         step.spread(&mut self.p, n, &mut self.work);
         if let Some(first) = self.layout.wander {
             let keeps = (-step.interval / self.wander_time).exp();
@@ -187,6 +194,7 @@ impl ErrorFilter {
         let n = self.layout.count;
         let source = [POSITION, POSITION + 1, POSITION + 2, CLOCK];
         for (k, from) in source.into_iter().enumerate() {
+            self.x[past + k] = self.x[from];
             for column in 0..past {
                 let value = self.p[from * n + column];
                 self.p[(past + k) * n + column] = value;

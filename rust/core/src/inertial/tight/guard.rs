@@ -42,6 +42,10 @@ pub struct Evidence {
     pub culprits: Option<u64>,
     /// Excluded satellites that agree with the filter now.
     pub back: u64,
+    /// Step of the fix against the INS in standard deviations.
+    pub jump: f64,
+    /// The tests have gone on growing since the alarm.
+    pub confirmed: bool,
 }
 
 /// What is to be done.
@@ -80,14 +84,20 @@ pub struct Rules {
     pub dwell: f64,
     /// An alarm may turn out to be false so long.
     pub pardon: f64,
+    /// It takes so long for an alarm to be confirmed.
+    pub doubt: f64,
     /// How long an excluded satellite must agree.
     pub dwell_satellite: f64,
-    /// Agreement: deviates below this (99 %).
+    /// Satellites agree with one another below this deviate.
     pub inside: f64,
-    /// A step back begins at or over this deviate.
+    /// Agreement of everything: the INS alone may be further off than once in a hundred times.
+    pub near: f64,
+    /// The clock alone is off if agreement without it is better by this.
     pub outside: f64,
-    /// The fall from outside to inside takes no longer.
-    pub fall: f64,
+    /// A step of the fix against the INS is at least so many standard deviations.
+    pub jump: f64,
+    /// After a step back all agree within so long.
+    pub settles: f64,
 }
 
 impl Default for Rules {
@@ -100,11 +110,14 @@ impl Default for Rules {
             after_alarm: 10.0,
             dwell_after_step: 20.0,
             dwell: 40.0,
-            pardon: 180.0,
+            pardon: 600.0,
+            doubt: 150.0,
             dwell_satellite: 20.0,
-            inside: 2.33,
+            inside: 3.33,
+            near: 3.5,
             outside: 4.0,
-            fall: 15.0,
+            jump: 7.0,
+            settles: 20.0,
         }
     }
 }
@@ -122,9 +135,10 @@ pub struct Guard {
     inside: Option<f64>,
     inside_position: Option<f64>,
     back: Vec<Option<f64>>,
-    /// When GNSS was far off last, and whether it came back by a step.
-    far: Option<f64>,
-    stepped: bool,
+    /// When the fix stepped against the INS last.
+    jumped: f64,
+    /// Since when all are near after a step back.
+    stepped: Option<f64>,
 }
 
 impl Guard {
@@ -140,8 +154,8 @@ impl Guard {
             inside: None,
             inside_position: None,
             back: vec![None; satellites],
-            far: None,
-            stepped: false,
+            jumped: f64::NEG_INFINITY,
+            stepped: None,
         }
     }
 
@@ -196,7 +210,7 @@ impl Guard {
         self.alarmed = time;
         self.named = (0, 0);
         (self.inside, self.inside_position) = (None, None);
-        (self.far, self.stepped) = (None, false);
+        (self.jumped, self.stepped) = (f64::NEG_INFINITY, None);
         self.back.fill(None);
         Action::TakeBack(alarm.age)
     }
@@ -225,7 +239,7 @@ impl Guard {
 
     fn deciding(&mut self, seen: &Evidence) -> Action {
         self.watch(seen);
-        if let Some(action) = self.pardoned(seen.time) {
+        if let Some(action) = self.pardoned(seen) {
             return action;
         }
         if let Some(mask) = self.convicted(seen) {
@@ -242,7 +256,7 @@ impl Guard {
 
     fn coasting(&mut self, seen: &Evidence) -> Action {
         self.watch(seen);
-        self.pardoned(seen.time).unwrap_or(Action::None)
+        self.pardoned(seen).unwrap_or(Action::None)
     }
 
     /// The subset that is named often enough in a row.
@@ -259,30 +273,35 @@ impl Guard {
     /// Notes since when all satellites agree with the INS, and whether they came back by a step.
     fn watch(&mut self, seen: &Evidence) {
         let Some(said) = seen.agreement else {
-            self.inside = None;
+            (self.inside, self.inside_position, self.stepped) = (None, None, None);
             return;
         };
-        let r = &self.rules;
-        let mutual = said.mutual < r.inside + 1.0;
-        let inside = mutual && said.inertial < r.inside;
-        if inside && self.inside.is_none() {
-            let fell = self.far.is_some_and(|far| seen.time - far <= r.fall);
-            self.stepped |= fell && seen.time - self.alarmed > r.after_alarm;
-        }
+        let r = self.rules;
+        let mutual = said.mutual < r.inside;
+        let inside = mutual && said.inertial < r.near;
         self.inside = inside.then(|| self.inside.unwrap_or(seen.time));
-        let clock_alone = mutual && said.position < r.inside && said.inertial > r.outside;
+        let clock_alone =
+            mutual && said.position < r.near && said.inertial > said.position + r.outside;
         self.inside_position = clock_alone.then(|| self.inside_position.unwrap_or(seen.time));
-        if said.inertial > r.outside || said.mutual > r.outside {
-            self.far = Some(seen.time);
+        if seen.jump > r.jump && seen.time - self.alarmed > r.after_alarm {
+            self.jumped = seen.time;
         }
+        let recent = seen.time - self.jumped <= r.settles;
+        self.stepped = match self.stepped {
+            _ if !inside => None,
+            None if recent => Some(seen.time),
+            since => since,
+        };
     }
 
-    fn pardoned(&mut self, time: f64) -> Option<Action> {
-        let r = &self.rules;
+    fn pardoned(&mut self, seen: &Evidence) -> Option<Action> {
+        let (r, time) = (self.rules, seen.time);
         let lasts = |since: Option<f64>| since.map_or(-1.0, |s| time - s);
         let early = time - self.alarmed <= r.pardon;
+        // The uncertainty of the INS grows over slow drags: agreement alone does not acquit.
+        let doubtful = !seen.confirmed && time - self.alarmed >= r.doubt;
         let (all, clock) = (lasts(self.inside), lasts(self.inside_position));
-        if self.stepped && all >= r.dwell_after_step || early && all >= r.dwell {
+        if lasts(self.stepped) >= r.dwell_after_step || early && doubtful && all >= r.dwell {
             return Some(self.readmit(Action::Readmit));
         }
         if early && clock >= r.dwell_satellite {
@@ -319,6 +338,8 @@ mod tests {
             agreement: Some(agreement(0.0, 0.0)),
             culprits: None,
             back: 0,
+            confirmed: false,
+            jump: 0.0,
         }
     }
 
@@ -367,8 +388,8 @@ mod tests {
     #[test]
     fn a_false_alarm_is_pardoned() {
         let mut guard = alarmed();
-        let (time, action) = until(&mut guard, 101.0, 100, quiet).unwrap();
-        assert_eq!((time, action), (141.0, Action::Readmit));
+        let (time, action) = until(&mut guard, 101.0, 200, quiet).unwrap();
+        assert_eq!((time, action), (250.0, Action::Readmit));
         assert_eq!(guard.state(), State::Trusted);
     }
 
@@ -429,10 +450,15 @@ mod tests {
         let (time, action) = until(&mut guard, 101.0, 100, far).unwrap();
         assert_eq!((time, action), (161.0, Action::Coast));
         assert_eq!(until(&mut guard, 162.0, 300, far), None);
-        let (time, action) = until(&mut guard, 462.0, 100, quiet).unwrap();
+        let back = |time| Evidence {
+            jump: if time < 464.0 { 30.0 } else { 0.0 },
+            ..quiet(time)
+        };
+        let (time, action) = until(&mut guard, 462.0, 100, back).unwrap();
         assert_eq!((time, action), (482.0, Action::Readmit));
-        // Without a step, and too late for a false alarm, nothing is believed.
+        // Without a step, and once the alarm is confirmed, nothing is believed.
         let creeps = |time: f64| Evidence {
+            confirmed: true,
             agreement: Some(agreement((8.0 - (time - 100.0) / 50.0).max(0.0), 0.0)),
             ..quiet(time)
         };

@@ -16,7 +16,9 @@ pub mod output;
 pub mod power;
 pub mod run;
 pub mod settings;
+pub mod shadow;
 pub mod statistics;
+pub mod step;
 pub mod supervisor;
 pub mod windows;
 

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::covariance::{Square, Transition};
+use super::covariance::{Row, Square, Transition};
 use super::filter::{ErrorFilter, Innovation};
 use super::measure::{change_row, range_row, rate_row, Antenna, Sight};
 use super::motion::{local_axes, Motion};
@@ -264,6 +264,31 @@ impl Navigator {
         self.clock_known = true;
     }
 
+    /// Row, deviation and variance of a satellite's measurement.
+    pub fn observe(
+        &self,
+        kind: Kind,
+        k: usize,
+        system: usize,
+        dev: &Deviations,
+    ) -> Option<(Row, f64, f64)> {
+        let (noise, sight, layout) = (&self.settings.receiver, &dev.sight[k], self.filter.layout);
+        let (row, value, sigma) = match kind {
+            Kind::Rate => (rate_row(sight), dev.rate[k], noise.rate),
+            Kind::Range => {
+                let lever = self.strapdown.state().attitude * self.settings.lever_arm;
+                let row = range_row(sight, &lever, &layout, k, system);
+                (row, dev.range[k], noise.code)
+            }
+            Kind::Change => {
+                let row = change_row(sight, &dev.before[k], layout.past?);
+                (row, dev.change[k], noise.change * std::f64::consts::SQRT_2)
+            }
+        };
+        let variance = sigma * sigma * dev.scale[k];
+        value.is_finite().then_some((row, value, variance))
+    }
+
     /// Innovation of a satellite's measurement; `used`: it also moves the states.
     pub fn measure(
         &mut self,
@@ -273,32 +298,26 @@ impl Navigator {
         dev: &Deviations,
         used: bool,
     ) -> Option<Innovation> {
-        let (noise, sight, layout) = (&self.settings.receiver, &dev.sight[k], self.filter.layout);
-        let (row, value, sigma) = match kind {
-            Kind::Rate => (rate_row(sight), dev.rate[k], noise.rate),
-            Kind::Range => {
-                // The lever arm is the same for all; its direction is in the antenna's.
-                let lever = self.strapdown.state().attitude * self.settings.lever_arm;
-                (
-                    range_row(sight, &lever, &layout, k, system),
-                    dev.range[k],
-                    noise.code,
-                )
-            }
-            Kind::Change => {
-                let row = change_row(sight, &dev.before[k], layout.past?);
-                (row, dev.change[k], noise.change * std::f64::consts::SQRT_2)
-            }
-        };
-        if !value.is_finite() {
-            return None;
-        }
-        let variance = sigma * sigma * dev.scale[k];
+        let (row, value, variance) = self.observe(kind, k, system, dev)?;
         let robust = self.settings.testing.robust;
         Some(match used {
             true => self.filter.update(&row, value, variance, robust),
             false => self.filter.look(&row, value, variance),
         })
+    }
+
+    /// What `take_back` by these errors makes of the errors of an estimate that does not go back.
+    pub fn left_behind(&self, errors: &[f64; NAV], filter: &mut ErrorFilter) {
+        filter.p.clone_from(&self.filter.p);
+        filter.x.fill(0.0);
+        for (x, e) in filter.x.iter_mut().zip(errors) {
+            *x = -e;
+        }
+        if let Some(first) = filter.layout.wander {
+            for (x, w) in filter.x[first..].iter_mut().zip(&self.wander) {
+                *x = -w;
+            }
+        }
     }
 
     /// Takes what the filter has found off the navigator; gives the errors of the navigation

@@ -10,18 +10,22 @@ use super::navigator::{Deviations, Epoch, Kind, Navigator};
 use super::output::{Event, Output, Usage};
 use super::power::Power;
 use super::settings::{Mode, Settings};
+use super::shadow::Shadow;
 use super::statistics::Panel;
+use super::step::Steps;
 use super::windows::Windows;
 
 /// Windows of the innovations, s: of rates and changes, and of codes.
 pub const WINDOWS: [&[f64]; 3] = [
-    &[1.0, 3.0, 10.0, 30.0, 100.0],
-    &[1.0, 3.0, 10.0, 30.0, 100.0],
+    &[1.0, 3.0, 7.0, 14.0, 25.0, 50.0, 100.0],
+    &[1.0, 3.0, 7.0, 14.0, 25.0, 50.0, 100.0],
     &[1.0, 10.0, 30.0, 100.0],
 ];
 /// All tests: the windows, separation from copies of each span, of the clock likewise, power.
-pub const TESTS: usize = 5 + 5 + 4 + 2 * SPANS.len() + 1;
-const SEPARATION: usize = 14;
+pub const TESTS: usize = SEPARATION + 2 * SPANS.len() + 1;
+const CHANGES: usize = 7;
+const CODES: usize = 14;
+const SEPARATION: usize = 18;
 const CLOCKS: usize = SEPARATION + SPANS.len();
 const POWER: usize = TESTS - 1;
 /// One innovation counts no more than this, so that one glitch is no attack.
@@ -30,6 +34,10 @@ const CLIP: f64 = 5.0;
 const MEANS: f64 = 10.0;
 /// Copies are not renewed while a test is over this part of its threshold.
 const SUSPICION: f64 = 0.75;
+/// An alarm is confirmed so far beyond its threshold.
+const CERTAIN: f64 = 0.6;
+/// Sum of the squared dilutions beyond which there is no fix.
+const FAIR: f64 = 1e3;
 /// A single satellite agrees below so many standard deviations.
 const AGREES: f64 = 2.8;
 
@@ -41,6 +49,10 @@ pub struct Supervisor {
     windows: [Windows; 3],
     panel: Panel,
     power: Power,
+    shadow: Shadow,
+    confirmed: bool,
+    steps: Steps,
+    jump: f64,
     means: Means,
     jury: Jury,
     dev: Deviations,
@@ -73,6 +85,10 @@ impl Supervisor {
         });
         Supervisor {
             settings: settings.clone(),
+            shadow: Shadow::new(&navigator.filter, &windows, satellites),
+            confirmed: false,
+            steps: Steps::new(interval, &settings.receiver),
+            jump: 0.0,
             guard: Guard::new(rules, start, satellites),
             copies: Copies::new(&navigator.filter.navigation(), start),
             windows,
@@ -94,22 +110,29 @@ impl Supervisor {
     /// The filter has moved on in time.
     pub fn predict(&mut self, step: &Transition) {
         self.copies.predict(step);
+        self.shadow.predict(step);
     }
 
     /// One epoch.
     pub fn epoch(&mut self, nav: &mut Navigator, epoch: &Epoch<'_>, before: Option<&Epoch<'_>>) {
         nav.deviate(epoch, &mut self.dev);
         nav.changes(epoch, before, &mut self.dev);
-        let fix = self.fix(epoch);
+        let (whole, dilution) = self.fix(epoch);
+        self.jump = self.steps.push(whole, dilution);
+        let fix = whole.map(|[x, y, z, _]| [x, y, z]);
         self.panel.push(fix, &self.dev.range, &self.dev.rate);
         self.choose(epoch);
         self.measure(nav, epoch);
         let found = nav.correct();
         self.copies.corrected(&found);
+        self.follow(nav, epoch);
         nav.close_epoch();
         self.test(nav, epoch);
         if self.settings.mode == Mode::Robust {
             self.judge(nav, epoch, fix);
+        } else {
+            let calm = nav.filter.navigation();
+            self.copies.renew(&calm, epoch.time, false);
         }
         self.record(nav);
     }
@@ -170,6 +193,24 @@ impl Supervisor {
         }
     }
 
+    /// Lets the shadow see the epoch, and notes whether it confirms the alarm.
+    fn follow(&mut self, nav: &Navigator, epoch: &Epoch<'_>) {
+        if !self.shadow.active {
+            return;
+        }
+        let testing = &self.settings.testing;
+        let flagged = |k: usize| testing.heed_receiver && epoch.spoofed[k];
+        let robust = testing.robust;
+        let largest = self
+            .shadow
+            .epoch(nav, epoch, &self.dev, flagged, robust, CLIP);
+        let t = &testing.thresholds;
+        let parted = self.shadow.separation(&nav.filter.navigation());
+        self.confirmed |=
+            parted > t[3] + CERTAIN || largest.iter().zip(t).any(|(z, limit)| *z > limit + CERTAIN);
+        self.shadow.active = !self.confirmed && self.guard.blind();
+    }
+
     /// Deviates of all tests.
     fn test(&mut self, nav: &Navigator, epoch: &Epoch<'_>) {
         let mut at = 0;
@@ -199,9 +240,9 @@ impl Supervisor {
         let t = &limits.thresholds;
         let window = |kind: usize, k: usize| (t[kind], 2.0 * WINDOWS[kind][k].max(30.0));
         match test {
-            0..5 => window(0, test),
-            5..10 => window(1, test - 5),
-            10..SEPARATION => window(2, test - 10),
+            0..CHANGES => window(0, test),
+            CHANGES..CODES => window(1, test - CHANGES),
+            CODES..SEPARATION => window(2, test - CODES),
             SEPARATION..CLOCKS => (t[3], 2.0 * SPANS[test - SEPARATION].max(30.0)),
             CLOCKS..POWER => (t[4], 2.0 * SPANS[test - CLOCKS].max(30.0)),
             _ => (limits.power_rise, 60.0),
@@ -266,6 +307,8 @@ impl Supervisor {
             agreement,
             culprits,
             back,
+            confirmed: self.confirmed,
+            jump: self.jump,
         }
     }
 
@@ -292,6 +335,9 @@ impl Supervisor {
             Action::TakeBack(age) => {
                 let chosen = self.copies.at_least(age, time).clone();
                 back = time - chosen.born;
+                nav.left_behind(&chosen.difference, &mut self.shadow.filter);
+                std::mem::swap(&mut self.shadow.windows, &mut self.windows);
+                (self.shadow.active, self.confirmed) = (true, self.certain());
                 nav.take_back(&chosen.difference, &chosen.covariance);
                 self.copies.taken_back(&chosen);
                 self.means.clear();
@@ -304,6 +350,12 @@ impl Supervisor {
         }
         self.windows.iter_mut().for_each(Windows::clear);
         back
+    }
+
+    /// Whether the alarm needs no confirmation.
+    fn certain(&self) -> bool {
+        let windows = (0..SEPARATION).any(|k| self.deviates[k] > self.limit(k).0 + CERTAIN);
+        windows || self.deviates[POWER] > self.limit(POWER).0
     }
 
     fn log(&mut self, time: f64, alarm: Option<Alarm>, back: f64, fix: [[f64; 3]; 2]) {
@@ -334,27 +386,32 @@ impl Supervisor {
         }
     }
 
-    /// Least-squares position and velocity of all satellites minus the INS: from GNSS alone.
-    fn fix(&mut self, epoch: &Epoch<'_>) -> [[f64; 3]; 2] {
-        let sight = &self.dev.sight;
-        let of = |values: &[f64]| {
-            let (mut normal, mut sums) = (Matrix4::zeros(), Vector4::zeros());
-            for (k, value) in values.iter().enumerate().filter(|(_, v)| v.is_finite()) {
-                if epoch.system[k] == 0 || self.settings.receiver.wander > 0.0 {
-                    let row = (-sight[k].towards).push(1.0);
-                    normal += row * row.transpose();
-                    sums += row * *value;
-                }
+    /// Least-squares position and clock, velocity and drift of all satellites minus the INS, from
+    /// GNSS alone, and the sums of their squared dilutions.
+    fn fix(&self, epoch: &Epoch<'_>) -> ([[f64; 4]; 2], [f64; 2]) {
+        let (place, wide) = self.solve(&self.dev.range, epoch);
+        let (speed, broad) = self.solve(&self.dev.rate, epoch);
+        ([place, speed], [wide, broad])
+    }
+
+    fn solve(&self, values: &[f64], epoch: &Epoch<'_>) -> ([f64; 4], f64) {
+        let (mut normal, mut sums) = (Matrix4::zeros(), Vector4::zeros());
+        for (k, value) in values.iter().enumerate() {
+            // Offsets of other systems are known to a filter that uses them only.
+            let flagged = self.settings.testing.heed_receiver && epoch.spoofed[k];
+            if value.is_finite() && !flagged {
+                let row = (-self.dev.sight[k].towards).push(1.0);
+                normal += row * row.transpose();
+                sums += row * *value;
             }
-            match normal.try_inverse() {
-                Some(inverse) if inverse.trace() < 1e4 => {
-                    let x = -(inverse * sums);
-                    [x.x, x.y, x.z]
-                }
-                _ => [f64::NAN; 3],
+        }
+        match normal.try_inverse() {
+            Some(inverse) if inverse.trace() < FAIR && inverse.trace() > 0.0 => {
+                let x = -(inverse * sums);
+                (x.into(), inverse.trace())
             }
-        };
-        [of(&self.dev.range), of(&self.dev.rate)]
+            _ => ([f64::NAN; 4], f64::NAN),
+        }
     }
 }
 

@@ -49,14 +49,13 @@ impl Windows {
     pub fn push(&mut self, innovations: &[f64]) {
         for (w, &length) in self.lengths.iter().enumerate() {
             let old = (self.count + self.depth - length) % self.depth * self.satellites;
-            for k in 0..self.satellites {
-                let sum = &mut self.sums[w * self.satellites + k];
-                let leaves = self.ring[old + k];
+            let sums = self.sums[w * self.satellites..].iter_mut();
+            for ((sum, leaves), enters) in sums.zip(&self.ring[old..]).zip(innovations) {
                 if leaves.is_finite() {
                     *sum = (sum.0 - leaves, sum.1 - 1);
                 }
-                if innovations[k].is_finite() {
-                    *sum = (sum.0 + innovations[k], sum.1 + 1);
+                if enters.is_finite() {
+                    *sum = (sum.0 + enters, sum.1 + 1);
                 }
             }
         }
