@@ -36,10 +36,11 @@ from . import (
     validate,
 )
 from .command import INTERRUPTED, Command, Outcome, to_plain
-from .ui import Ui
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from .ui import Ui
 
 __all__ = ["main"]
 
@@ -71,6 +72,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     if arguments.command is None:
         parser.print_help(sys.stderr)
         return 2
+    from .ui import Ui  # noqa: PLC0415 - help needs none, and rich is slow to import
+
     ui = Ui(json_mode=arguments.json, progress=arguments.progress)
     try:
         outcome: Outcome = arguments.command.run(arguments, ui)

@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("study", metavar="STUDY", help="which study: combo, ins-rate, ship, sprt-dme or array")
+    parser.add_argument(
+        "study", metavar="STUDY", help="which study: combo, ins-rate, ship, sprt-dme or array"
+    )
     options.add_output(parser, "folder for tables, figures and report (default: out/STUDY)")
     parser.add_argument(
         "--quick", action="store_true", help="few Monte Carlo runs: under half a minute"

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 CALIBRATION_RUNS = 20
 CALIBRATION_FIRST = 500
+LEAST_RUNS = 5
 END = round(ATTACK_S[1])
 LATE = 1490
 DRAGS = {0.2: "all_0.2", 0.5: "all_0.5", 1.0: "all_1", 2.0: "all_2"}
@@ -61,7 +62,7 @@ def _largest(s: TightSolution) -> Floats:
 def section(effort: Effort, stages: Stages) -> Section:
     """Drags of all channels, with and without the published exclusion."""
     attacks = {a.name: a.attack for a in LIST}
-    count = max(5, effort.runs // 10)
+    count = max(LEAST_RUNS, effort.runs // 10)
     rows: list[Sequence[Cell]] = []
     numbers: list[Number] = []
     drawn: dict[str, Floats] = {}
@@ -145,7 +146,7 @@ def _numbers(speed: float, how: str, error: Floats) -> Sequence[Number]:
     if how == "printed" and speed == 0.5:
         value = float(np.median(error[:, :END].max(axis=1)))
         late = float(np.median(error[:, LATE]))
-        inf = float("inf")
+        inf, least = float("inf"), published.LOCKED_M
         what = "largest error up to the end of 0.5 m/s, as published"
         return [
             Number("literal_captured", what, value, *published.LITERAL_M, "m", 200.0),
