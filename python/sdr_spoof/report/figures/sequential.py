@@ -22,7 +22,7 @@ TITLES = {
 
 
 def draw_sequential(judgement: Judgement, watched: tuple[Watched, ...]) -> bytes:
-    """A panel a test: the rule's statistic of each channel; beside it the law of its samples."""
+    """A panel a test: the rule's statistic of each channel; beside it its samples and their law."""
     tests = list(dict.fromkeys(w.test for w in watched))
 
     def draw(figure: Figure) -> None:
@@ -36,13 +36,14 @@ def draw_sequential(judgement: Judgement, watched: tuple[Watched, ...]) -> bytes
                 row[0].axvline(judgement.alarm_s, color=style.ALARM, lw=0.8)
             row[0].set(ylabel="statistic", ylim=(0, 2.5 * mine[0].threshold))
             row[0].set_title(TITLES.get(test, test))
-            row[0].legend(loc="upper left", ncols=6, fontsize=7)
-            z = np.concatenate([of.z for of in mine])
+            row[0].legend(loc="upper left", ncols=8, fontsize=7)
+            before_s = np.inf if judgement.alarm_s is None else judgement.alarm_s
+            z = np.concatenate([of.z[of.time_s < before_s] for of in mine])
             x = np.linspace(-6.0, 6.0, 61)
             row[1].hist(np.clip(z, -6.0, 6.0), bins=x, density=True, color="#9ecae1")
             row[1].plot(x, np.exp(-0.5 * x**2) / np.sqrt(2.0 * np.pi), color=style.INK, lw=1.2)
             row[1].set(yscale="log", ylim=(1e-4, 1.0))
         grid[-1][0].set_xlabel("time (s)")
-        grid[-1][1].set_xlabel("samples (standard deviations); line: law")
+        grid[-1][1].set_xlabel("samples before an alarm, and law")
 
     return style.png(draw, 10.0, 0.6 + 2.4 * max(len(tests), 1))
