@@ -372,3 +372,28 @@ def change_log_ratio(
     energy: bool,
     from_start: bool,
 ) -> NDArray[np.float64]: ...
+
+# tightly coupled filter
+def navigate_tight(
+    imu_time: NDArray[np.float64],
+    interval: float,
+    rotation: NDArray[np.float64],
+    velocity: NDArray[np.float64],
+    time: NDArray[np.float64],
+    system: Sequence[int],
+    place: NDArray[np.float64],
+    place_velocity: NDArray[np.float64],
+    cn0: NDArray[np.float64],
+    spoofed: NDArray[np.bool_],
+    range_m: NDArray[np.float64],
+    rate_m_s: NDArray[np.float64],
+    change_m: NDArray[np.float64],
+    starts: NDArray[np.float64],
+    start_time: float,
+    lever_arm: Sequence[float],
+    settings_values: dict[str, Any],
+    *,
+    errors: Sequence[Any] | None = ...,
+    detailed: bool = ...,
+    threads: int = ...,
+) -> list[dict[str, Any]]: ...

@@ -19,13 +19,25 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from .records import CountBreak, SignalTrack, TrackLog
+    from .records import SignalTrack, TrackLog
 
 Span = tuple[float, float]
 """From and until, s of the recording."""
 
 FEWEST = 2
 """So many satellites break together where samples are missing."""
+
+
+@dataclass(frozen=True)
+class CountBreak:
+    """The code periods of a signal that went on were miscounted: samples are missing."""
+
+    signal: str
+    prn: int
+    from_s: float
+    """When the count was right for the last time."""
+    until_s: float
+    """When it was found to be wrong, and symbols and secondary code were searched for anew."""
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from .gaps import CountBreak
+
 
 @dataclass(frozen=True)
 class Acquisition:
@@ -210,18 +212,6 @@ class SecondPeak:
     is not away from the tracked one."""
     false_alarm_probability: float
     """Of one search, which sets the threshold."""
-
-
-@dataclass(frozen=True)
-class CountBreak:
-    """The code periods of a signal that went on were miscounted: samples are missing."""
-
-    signal: str
-    prn: int
-    from_s: float
-    """When the count was right for the last time."""
-    until_s: float
-    """When it was found to be wrong, and symbols and secondary code were searched for anew."""
 
 
 @dataclass(frozen=True)

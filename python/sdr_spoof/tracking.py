@@ -15,9 +15,10 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 from . import _core
 from .acquisition import AcquisitionConfig, acquire
 from .errors import ConfigError, RecordingError
+from .gaps import CountBreak
 from .interrupt import held_back
 from .isolation import isolation_marks
-from .records import Acquisition, ComboTrack, CountBreak, SignalTrack, TrackLog
+from .records import Acquisition, ComboTrack, SignalTrack, TrackLog
 from .row_store import RowStore
 from .signals import coherent_pairs, signal_spec
 

@@ -81,3 +81,31 @@ def test_upside_down_is_seen(name, log, tmp_path):
     )
     with pytest.raises(InertialError, match=r"along the z axis.*points up.*FLU"):
         read_imu(WRITERS[name](wrong, tmp_path / "imu.log"))
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("name", NAMES)
+def test_damaged_files_are_read_or_refused(name, log, tmp_path):
+    """Bytes changed, lines cut, doubled and lost: never anything but rows or one clear error."""
+    short = dataclasses.replace(
+        log,
+        time_s=log.time_s[:80],
+        rotation_rad=log.rotation_rad[:80],
+        velocity_m_s=log.velocity_m_s[:80],
+    )
+    path = tmp_path / "imu.log"
+    sound = WRITERS[name](short, path).read_bytes()
+    rng = np.random.default_rng(5)
+    for _ in range(100):
+        data = bytearray(sound)
+        for _ in range(rng.integers(1, 6)):
+            at, length = int(rng.integers(len(data))), int(rng.integers(1, 40))
+            cut = [b"", bytes(rng.integers(32, 127, length).astype(np.uint8)), b"\n,,nan,1e999,"]
+            data[at : at + int(rng.integers(length))] = cut[int(rng.integers(3))]
+        path.write_bytes(bytes(data))
+        try:
+            read = read_imu(path)
+        except InertialError as error:
+            assert "\n" not in str(error)
+        else:
+            assert np.isfinite(read.log.rotation_rad).all()

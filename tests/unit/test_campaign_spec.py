@@ -112,8 +112,11 @@ def test_groups_of_different_length(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("scenario", "message"),
     [
-        ("", "scenario: missing; name a file or a built-in scenario .asynchronous, "),
-        ('scenario = "non"\n', "'non' is neither a file .* built-in are asynchronous, both-bands"),
+        ("", "scenario: missing; name a file or a built-in scenario .array, asynchronous, "),
+        (
+            'scenario = "non"\n',
+            "'non' is neither a file .* built-in are array, asynchronous, both-bands",
+        ),
     ],
 )
 def test_no_scenario(tmp_path: Path, scenario: str, message: str) -> None:

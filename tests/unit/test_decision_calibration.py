@@ -36,7 +36,7 @@ def test_rare_alarms_are_as_exact_as_common_ones(name):
     thresholds = [threshold_for(rule, p, rate_hz=SLOW_HZ) for p in (1e-3, 1e-6)]
     # Log-likelihood: a thousandfold rarer is ln 1000 further, but for slow terms.
     assert thresholds[1] - thresholds[0] == pytest.approx(np.log(1e3), abs=0.6)
-    found = achieved(rule, thresholds[1], rate_hz=SLOW_HZ)
+    found = achieved(rule, thresholds[1], rate_hz=SLOW_HZ, runs=1000)
     assert found.method == "importance sampling"
     assert found.low < found.probability < found.high
     assert found.probability == pytest.approx(1e-6, rel=0.35)
@@ -66,6 +66,8 @@ def test_another_law_is_simulated_plainly():
     assert found.low < 0.05 * 1.1 and found.high > 0.05 * 0.9
     with pytest.raises(ConfigError, match="ask for at least"):
         threshold_for(rule, 1e-9, law=law)
+    with pytest.raises(ConfigError, match="ask for one between"):
+        threshold_for(decision.find("cusum"), 1e-15)
 
 
 @pytest.mark.parametrize("law", [Law("ar1", 0.7), Law("ma1", -0.8), Law("student", 5.0), NORMAL])
@@ -97,27 +99,28 @@ def test_bad_wishes_are_refused():
 
 
 def test_thresholds_are_kept_and_read_back(own_cache, monkeypatch):
-    rule = decision.find("threshold")
-    first = threshold_for(rule, 2e-3, rate_hz=SLOW_HZ)
+    rule = decision.find("cusum").with_(shift=1.2)
+    first = threshold_for(rule, 2e-3)
     (file,) = (own_cache / "thresholds").iterdir()
     monkeypatch.setattr(threshold_cache, "_here", {})
-    monkeypatch.setattr(calibration, "simulated", lambda *_: 7.0)
-    assert threshold_for(rule, 2e-3, rate_hz=SLOW_HZ) == first
+    monkeypatch.setattr(calibration, "simulated", lambda *_: [7.0] * calibration.LOG10_P.size)
+    assert threshold_for(rule, 2e-3) == first
     monkeypatch.setattr(threshold_cache, "_here", {})
     file.write_text("broken")
-    assert threshold_for(rule, 2e-3, rate_hz=SLOW_HZ) == 7.0
+    assert threshold_for(rule, 2e-3) == 7.0
     assert "7.0" in file.read_text()
 
 
 def test_a_cache_that_cannot_be_written_is_no_error(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("SDR_SPOOF_CACHE", str(tmp_path / "file"))
-    assert threshold_for(decision.find("threshold"), 3e-3, rate_hz=SLOW_HZ) > 3.0
+    monkeypatch.setattr(calibration, "simulated", lambda *_: [7.0] * calibration.LOG10_P.size)
+    assert threshold_for(decision.find("cusum").with_(shift=1.3), 3e-3) == 7.0
 
 
-def test_the_table_that_comes_along_is_what_would_be_simulated():
+def test_the_table_that_comes_along_is_what_would_be_simulated(monkeypatch):
+    monkeypatch.setattr(calibration, "RUNS", 4000)
     rule = decision.find("improved-sprt")
-    key = calibration.key_of(rule, 1e-3, 1.0, NORMAL)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(calibration, "RUNS", 4000)
-        assert threshold_cache.shipped()[key] == pytest.approx(calibration.simulated(rule, 1e-3))
+    key = calibration.key_of(rule, calibration.LONGEST)
+    made = calibration.simulated(rule)
+    np.testing.assert_allclose(threshold_cache.shipped()[key], made, atol=1e-3)

@@ -121,6 +121,29 @@ def test_axes(gyro, accel, hint, ship, tmp_path):
         read_imu(write_table(turned(ship, gyro, accel), tmp_path / "imu.csv"))
 
 
+@pytest.mark.parametrize("axis", [0, 1])
+def test_tilts_about_one_axis_tell_nothing(axis, ship, tmp_path):
+    """And they must not be taken for a mistake."""
+    time_s, size = ship.time_s, 0.1
+    tilt, rate = size * np.sin(0.7 * time_s), size * 0.7 * np.cos(0.7 * time_s) * 0.02
+    rotation, velocity = np.zeros((time_s.size, 3)), np.zeros((time_s.size, 3))
+    rotation[:, axis] = rate
+    velocity[:, 1 - axis] = (1, -1)[1 - axis] * 9.8 * np.sin(tilt) * 0.02
+    velocity[:, 2] = -9.8 * np.cos(tilt) * 0.02
+    log = dataclasses.replace(ship, rotation_rad=rotation, velocity_m_s=velocity)
+    (note,) = read_imu(write_table(log, tmp_path / "imu.csv")).notes
+    assert "too little motion" in note
+
+
+def test_sensors_that_say_nothing(ship, tmp_path):
+    still = dataclasses.replace(ship, rotation_rad=0 * ship.rotation_rad)
+    (note,) = read_imu(write_table(still, tmp_path / "imu.csv")).notes
+    assert "too little motion" in note
+    dead = dataclasses.replace(ship, velocity_m_s=0 * ship.velocity_m_s)
+    with pytest.raises(InertialError, match="has gravity been taken off"):
+        read_imu(write_table(dead, tmp_path / "imu.csv"))
+
+
 def test_letters_of_axes():
     assert into_body("RFU") @ [1.0, 2.0, 3.0] == pytest.approx([2.0, 1.0, -3.0])
     with pytest.raises(ValidationError, match="left-handed"):
@@ -221,6 +244,20 @@ def test_starts_of_the_time(ship, tmp_path):
     path.write_text("\n".join([text[0].replace("time_s", "unix_s"), *rows]))
     got = read_imu(path).log
     assert (got.reference - START) + got.time_s == pytest.approx(ship.time_s, abs=1e-5)
+
+
+def test_times_that_are_no_seconds(ship, tmp_path):
+    path = tmp_path / "imu.csv"
+    for size, hint in ((1e3, "milliseconds"), (1e6, "microseconds"), (1e9, "nanoseconds")):
+        rates_csv(dataclasses.replace(ship, time_s=ship.time_s * size), path)
+        with pytest.raises(InertialError, match=f"apart.*{hint}"):
+            read_imu(path)
+    path.write_text(path.read_text().replace("time_s", "unix_s").replace("\n2", "\n16786224000002"))
+    with pytest.raises(InertialError, match="is no date: are the times milliseconds"):
+        read_imu(path)
+    rates_csv(dataclasses.replace(ship, time_s=ship.time_s * 50), path)
+    with pytest.raises(InertialError, match=r"rows are 1 s apart.*all rows"):
+        read_imu(path)
 
 
 @pytest.mark.parametrize(

@@ -13,12 +13,12 @@ from test_positioning import BROADCAST, PLACE, PLAIN, SKY, START
 from sdr_spoof import simulate
 from sdr_spoof.config import load_config
 from sdr_spoof.fixes import Status
-from sdr_spoof.gaps import gaps_of, uncounted
+from sdr_spoof.gaps import CountBreak, gaps_of, uncounted
 from sdr_spoof.nav.geodesy import enu, geodetic_to_ecef
 from sdr_spoof.nav.missing import outages
 from sdr_spoof.nav.time import GnssTime
 from sdr_spoof.positioning import locate
-from sdr_spoof.records import CountBreak, State, TrackLog
+from sdr_spoof.records import State, TrackLog
 from sdr_spoof.scenario import load_scenario
 from sdr_spoof.sinks.hdf5 import Result, read_result, write_result
 from sdr_spoof.sources import RecordingFormat

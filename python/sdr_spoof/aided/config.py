@@ -30,6 +30,9 @@ class AidedConfig(BaseModel):
         description="Yaw (from north to east), pitch and roll at the start, in degrees; none: "
         "found by alignment.",
     )
+    align_s: float = Field(
+        60.0, ge=5.0, description="At most so much of the beginning is used to align, in s."
+    )
     integrity_risk: float = Field(
         1e-5,
         gt=0.0,

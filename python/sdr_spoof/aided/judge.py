@@ -67,6 +67,7 @@ def judge(
     limits: str = "",
     tests: float = 1.0,
     min_tested_s: float = MIN_TESTED_S,
+    named: Sequence[str] = (),
 ) -> AidedVerdict:
     """The rule of this module.
 
@@ -77,6 +78,7 @@ def judge(
         limits: what the tests cannot see.
         tests: independent tests made, by which the probability of a false alarm is multiplied.
         min_tested_s: less is not enough support for 'clean'.
+        named: satellites that the filter has named, if only for an instant.
     """
     alarmed = [m for m in monitors if m.alarm_s is not None]
     tested_s = max((_tested_s(m) for m in monitors), default=0.0)
@@ -94,6 +96,7 @@ def judge(
     before = [o for o in onsets if o <= alarm_s]
     onset_s = median_high(before) if before else alarm_s
     names, everybody = _left_out(track)
+    names = tuple(sorted({*names, *named}))
     excluded = bool(names) or everybody or any(m.decides for m in alarmed)
     verdict = SPOOFED if excluded else SUSPECT
     return replace(

@@ -119,6 +119,7 @@ def aid(measurements: Measurements, log: ImuLog, config: Config, stages: Stages 
         " ".join((FLOOR, *rates.limits)),
         rates.tests + float(np.isfinite(solution.deviates).sum()),
         config.aided.min_tested_s,
+        [name for e in solution.events if e.state == "partial" for name in e.excluded],
     )
     return Aided(
         verdict,

@@ -34,8 +34,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-ALIGN_S = 60.0
-"""At most so much is used to align."""
 STANDS_M_S = 0.3
 """Median speed below which the antenna is taken to stand still."""
 VELOCITY_M_S = 0.1
@@ -74,7 +72,8 @@ def begin(log: ImuLog, measurements: Measurements, config: Config) -> Beginning:
         first = _without_swing(log, _part(motion, 0, 1), attitude[None], arm)
         return Beginning(_start(first, attitude), None, "given")
     grade = named(config.aided.grade or config.rate.grade)
-    motion = _part(motion, 0, int(np.searchsorted(motion.time_s, motion.time_s[0] + ALIGN_S)) + 1)
+    until_s = motion.time_s[0] + config.aided.align_s
+    motion = _part(motion, 0, int(np.searchsorted(motion.time_s, until_s)) + 1)
     last_s = float(motion.time_s[-1])
     if float(np.median(np.linalg.norm(motion.velocity_m_s, axis=1))) < STANDS_M_S:
         place = np.median(motion.position_m, axis=0)

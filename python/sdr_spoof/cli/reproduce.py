@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("study", metavar="STUDY", help="which study: combo")
+    parser.add_argument(
+        "study", metavar="STUDY", help="which study: combo, ins-rate, ship, sprt-dme or array"
+    )
     options.add_output(parser, "folder for tables, figures and report (default: out/STUDY)")
     parser.add_argument(
         "--quick", action="store_true", help="few Monte Carlo runs: under half a minute"
@@ -29,7 +31,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
         "--runs",
         type=options.positive,
         metavar="N",
-        help="runs of the whole receiver for each point (default: 1000, with --quick 6)",
+        help="runs of each point (default: the study's own number)",
     )
     options.add_threads(parser)
 

@@ -8,8 +8,8 @@ Unbiased, and as exact at 1e-9 an hour as at 1e-2.
 
 *Any other law*: plain simulation, for as many hours as give enough alarms.
 
-A rule that forgets is simulated for at most :data:`LONGEST` samples, and the hour is that many
-times as long: P = 1 - (1 - p)^n. One that does not is simulated for the whole hour.
+A rule that forgets is simulated for :data:`LONGEST` samples, and the hour is so many times as long
+(or a part of it): P = 1 - (1 - p)^n. One that does not is simulated for the whole hour.
 """
 
 from __future__ import annotations
@@ -34,6 +34,8 @@ LONGEST = 3600
 """Samples of a run, for a rule that forgets."""
 RUNS = 4000
 """Runs of importance sampling."""
+MOST_ERROR = 0.25
+"""Relative standard error of a probability from which on it has no threshold."""
 BLOCK = 2_000_000
 """Samples that are simulated at a time."""
 PLAIN_SAMPLES = 200_000_000
@@ -43,6 +45,8 @@ ALARMS = 400
 SEED = 20261122
 GRID = np.geomspace(0.5, 1e4, 800)
 """Thresholds at which probabilities are estimated; between them their logarithm is a line."""
+LOG10_P = -np.concatenate([[0.02, 0.1, 0.25], np.arange(0.5, 12.1, 0.5)])
+"""Probabilities within a run whose thresholds are kept."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +72,7 @@ class _Plan:
     @classmethod
     def of(cls, rule: SequentialRule[Any], rate_hz: float) -> _Plan:
         hour = max(round(3600.0 * rate_hz), 1)
-        rows = min(hour, LONGEST) if rule.forgets else hour
+        rows = LONGEST if rule.forgets else hour
         return cls(rows, hour / rows)
 
     def of_run(self, per_hour: float) -> float:
@@ -85,23 +89,40 @@ def threshold_for(
 ) -> float:
     """Threshold at which noise alone raises an alarm within an hour with a given probability.
 
-    Deterministic; simulated once, then kept in the user's cache folder.
+    Deterministic. Thresholds of all probabilities are simulated at once, and kept in the user's
+    cache folder; those of all rules with their default parameters come along.
 
     Raises:
-        ConfigError: no such probability or rate, or one that plain simulation cannot reach.
+        ConfigError: no such probability or rate, or one that simulation cannot reach.
     """
     if not (0.0 < per_hour < 1.0 and rate_hz > 0.0):
         raise ConfigError(
             f"cannot calibrate for a false-alarm probability of {per_hour:g} per hour at "
             f"{rate_hz:g} Hz: the first must lie between 0 and 1, the second above 0"
         )
-    key = key_of(rule, per_hour, rate_hz, law)
-    return threshold_cache.remembered(key, lambda: simulated(rule, per_hour, rate_hz, law))
+    plan = _Plan.of(rule, rate_hz)
+    wanted = plan.of_run(per_hour)
+    if law != NORMAL:
+        key = f"{key_of(rule, plan.rows)} {law} {wanted:.9g}"
+        return threshold_cache.remembered(
+            key, lambda: [_plain_threshold(rule, plan.rows, wanted, law)]
+        )[0]
+    thresholds = threshold_cache.remembered(
+        key_of(rule, plan.rows), lambda: simulated(rule, plan.rows)
+    )
+    found = float(np.interp(-np.log10(wanted), -LOG10_P, thresholds, left=np.nan, right=np.nan))
+    if not np.isfinite(found):
+        raise ConfigError(
+            f"rule '{rule.name}' has no threshold for {per_hour:g} false alarms per hour at "
+            f"{rate_hz:g} Hz, which is {wanted:.2g} in {plan.rows} samples; ask for one between "
+            f"{10.0 ** LOG10_P[-1]:.0e} and {10.0 ** LOG10_P[0]:.2g} in them"
+        )
+    return found
 
 
-def key_of(rule: SequentialRule[Any], per_hour: float, rate_hz: float, law: Law) -> str:
-    """What a threshold depends on."""
-    return f"{rule.name} {rule.parameters} {per_hour:.9g}/h {rate_hz:.9g} Hz {law}"
+def key_of(rule: SequentialRule[Any], rows: int) -> str:
+    """What thresholds depend on."""
+    return f"{rule.name} {rule.parameters} {rows}"
 
 
 def achieved(
@@ -146,24 +167,18 @@ def curve(
     return np.array([plan.of_hour(float(p)) for p in found])
 
 
-def simulated(
-    rule: SequentialRule[Any], per_hour: float, rate_hz: float = 1.0, law: Law = NORMAL
-) -> float:
-    """As :func:`threshold_for`, always simulated."""
-    plan = _Plan.of(rule, rate_hz)
-    wanted = plan.of_run(per_hour)
-    if law != NORMAL:
-        return _plain_threshold(rule, plan.rows, wanted, law)
-    found = _weighed(rule, plan.rows, _runs(plan.rows), SEED, GRID).mean
-    above = np.flatnonzero(found > wanted)
-    last = int(above[-1]) if above.size else -1
-    if not 0 <= last < GRID.size - 1 or found[last + 1] <= 0.0:
-        raise ConfigError(
-            f"rule '{rule.name}' has no threshold for {per_hour:g} false alarms per hour at "
-            f"{rate_hz:g} Hz"
-        )
-    ln = np.log(found[last : last + 2] / wanted)
-    return float(GRID[last] + (GRID[last + 1] - GRID[last]) * ln[0] / (ln[0] - ln[1]))
+def simulated(rule: SequentialRule[Any], rows: int = LONGEST) -> list[float]:
+    """Thresholds for the probabilities :data:`LOG10_P` within so many samples; NaN for none."""
+    found = _weighed(rule, rows, _runs(rows), SEED, GRID)
+    # Common draws leave small steps the wrong way where few runs decide.
+    falling = np.minimum.accumulate(found.mean)
+    with np.errstate(divide="ignore"):
+        log10_p = np.log10(falling)
+    usable = np.isfinite(log10_p) & (log10_p < -1e-3) & (found.error < MOST_ERROR * found.mean)
+    if np.count_nonzero(usable) < 2:
+        return [float("nan")] * LOG10_P.size
+    x, y = -log10_p[usable], GRID[usable]
+    return [float(v) for v in np.interp(-LOG10_P, x, y, left=np.nan, right=np.nan)]
 
 
 def _runs(rows: int) -> int:

@@ -9,19 +9,15 @@ import json
 from pathlib import Path
 
 from sdr_spoof.decision import RULES, calibration, threshold_cache
-from sdr_spoof.decision.laws import NORMAL
-
-PER_HOUR = (1e-2, 1e-3, 1e-4)
-"""Probabilities for which every rule has a threshold, at one sample a second."""
 
 
 def main() -> None:
     """Simulate all of them anew and write the table."""
+    rows = calibration.LONGEST
     table = {
-        calibration.key_of(rule, per_hour, 1.0, NORMAL): calibration.simulated(rule, per_hour)
+        calibration.key_of(rule, rows): [round(v, 4) for v in calibration.simulated(rule, rows)]
         for rule in RULES.values()
         if rule.name != "improved-sprt-as-printed"
-        for per_hour in PER_HOUR
     }
     path = Path(__file__).parent / "data" / "thresholds.json"
     kept = {"version": threshold_cache.VERSION, "thresholds": table}

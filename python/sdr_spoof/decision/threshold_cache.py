@@ -14,15 +14,15 @@ from functools import cache
 from importlib import resources
 from pathlib import Path
 
-VERSION = 1
+VERSION = 2
 """Of the simulation: another one gives other thresholds."""
 FOLDER_VARIABLE = "SDR_SPOOF_CACHE"
 
-_here: dict[str, float] = {}
+_here: dict[str, list[float]] = {}
 
 
-def remembered(key: str, simulate: Callable[[], float]) -> float:
-    """The threshold of that key, simulated where it is not known."""
+def remembered(key: str, simulate: Callable[[], list[float]]) -> list[float]:
+    """The thresholds of that key, simulated where they are not known."""
     if key not in _here:
         known = shipped().get(key)
         _here[key] = _from_folder(key, simulate) if known is None else known
@@ -30,7 +30,7 @@ def remembered(key: str, simulate: Callable[[], float]) -> float:
 
 
 @cache
-def shipped() -> dict[str, float]:
+def shipped() -> dict[str, list[float]]:
     """The table that comes along."""
     file = resources.files("sdr_spoof.decision") / "data" / "thresholds.json"
     table = json.loads(file.read_text())
@@ -45,18 +45,18 @@ def folder() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "sdr-spoof"
 
 
-def _from_folder(key: str, simulate: Callable[[], float]) -> float:
+def _from_folder(key: str, simulate: Callable[[], list[float]]) -> list[float]:
     name = hashlib.sha256(f"{VERSION} {key}".encode()).hexdigest()[:24]
     path = folder() / "thresholds" / f"{name}.json"
     try:
         kept = json.loads(path.read_text())
         if kept["key"] == key:
-            return float(kept["threshold"])
+            return [float(v) for v in kept["thresholds"]]
     except (OSError, ValueError, KeyError, TypeError):
         pass
-    threshold = simulate()
-    _keep(path, json.dumps({"key": key, "threshold": threshold}))
-    return threshold
+    thresholds = simulate()
+    _keep(path, json.dumps({"key": key, "thresholds": thresholds}))
+    return thresholds
 
 
 def _keep(path: Path, text: str) -> None:

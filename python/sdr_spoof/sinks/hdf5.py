@@ -21,10 +21,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import h5py
 
 from sdr_spoof.errors import RecordingError
+from sdr_spoof.gaps import CountBreak
 from sdr_spoof.records import (
     Acquisition,
     ComboTrack,
-    CountBreak,
     SecondPeak,
     SignalTrack,
     TrackLog,

@@ -22,6 +22,7 @@ _STUCK = 3
 """Rows in a row at the very largest value of a sensor that are no coincidence."""
 _LOUD = 4.0
 """Against the rms about the mean: smaller extremes are no end of a range."""
+_SLOWEST_S = 0.2
 SHORT_S = 0.1
 """Longest piece beyond a sensor's range that is left out and bridged."""
 
@@ -30,12 +31,13 @@ def usable(rows: ImuRows) -> tuple[ImuRows, list[str]]:
     """Rows that can be navigated with, and notes on what was done to them.
 
     Raises:
-        InertialError: too few rows, numbers that are not finite, times that do not ascend, or a
-            sensor that was at the end of its range for too long.
+        InertialError: too few rows, numbers that are not finite, times that do not ascend or are
+            no seconds, or a sensor that was at the end of its range for too long.
     """
     _enough(rows)
     _finite(rows)
     _ascending(rows)
+    _in_seconds(rows)
     rows, notes = _within_range(rows)
     return rows, [*notes, *_gaps(rows)]
 
@@ -81,6 +83,17 @@ def _ascending(rows: ImuRows) -> None:
     raise InertialError(
         f"{where} is {back_s:.6g} s before the row above; sort the rows, or split the file where "
         "its clock was set back"
+    )
+
+
+def _in_seconds(rows: ImuRows) -> None:
+    if rows.interval_s <= _SLOWEST_S:
+        return
+    names = {1e-3: "milliseconds", 1e-6: "microseconds", 1e-9: "nanoseconds"}
+    found = [n for size, n in names.items() if 1e-3 < rows.interval_s * size <= 0.1]
+    hint = f"are the times {' or '.join(found)}?" if found else "give all rows of the IMU"
+    raise InertialError(
+        f"{rows.origin}: rows are {rows.interval_s:.3g} s apart, too far to navigate with; {hint}"
     )
 
 

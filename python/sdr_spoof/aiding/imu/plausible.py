@@ -36,6 +36,8 @@ _FASTEST_RAD_S = 1.0
 _WINDOW_S = 1.0
 _TILT_RAD = 0.003
 """Least rms tilt from window to window that can be compared."""
+_BOTH = 0.05
+"""Least tilt about one axis against that about the other: both must be told."""
 _LEAST_WINDOWS = 10
 _SIDE_M_S2 = 0.1
 """Least rms of what is felt to the side that can be compared."""
@@ -146,7 +148,8 @@ def _tilts(rows: ImuRows, up: NDArray[np.float64]) -> bool:
     seen = np.diff(felt / np.linalg.norm(felt, axis=1)[:, None], axis=0) @ level.T
     told = np.cross(up, np.diff(turned, axis=0)) @ level.T
     told -= told.mean(axis=0)
-    if np.sqrt((seen**2).mean()) < _TILT_RAD or not told.any():
+    strong, weak = np.linalg.svd(told, compute_uv=False)
+    if np.sqrt((seen**2).mean()) < _TILT_RAD or weak <= _BOTH * strong:
         return False
     gain = np.linalg.lstsq(told, seen, rcond=None)[0].T
     fit = 1 - ((seen - told @ gain.T) ** 2).sum() / (seen**2).sum()
@@ -187,7 +190,7 @@ def _turns(rows: ImuRows) -> bool:
     felt, turned = _windows(rows)
     if len(felt) < _LEAST_WINDOWS:
         return False
-    rate = np.diff(turned[:, 2]) / _WINDOW_S
+    rate = np.diff(turned[:, 2]) / (_window(rows) * rows.interval_s)
     side = (felt[1:, 1] + felt[:-1, 1]) / 2
     side = side - side.mean()
     rate = rate - rate.mean()
@@ -208,8 +211,13 @@ def _turns(rows: ImuRows) -> bool:
 
 def _windows(rows: ImuRows) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Means over windows of specific force, and of the angle turned so far, (W, 3) each."""
-    count = max(1, round(_WINDOW_S / rows.interval_s))
+    count = _window(rows)
     whole = rows.time_s.size // count * count
     angle = np.cumsum(rows.rate_rad_s * rows.interval_s, axis=0)
     means = [v[:whole].reshape(-1, count, 3).mean(axis=1) for v in (rows.force_m_s2, angle)]
     return means[0], means[1]
+
+
+def _window(rows: ImuRows) -> int:
+    """Rows of a window."""
+    return max(1, round(_WINDOW_S / rows.interval_s))

@@ -71,7 +71,10 @@ class TightConfig(BaseModel):
     )
     clock_m2_s: float = Field(0.01, ge=0.0, description="Random walk of the clock, in m^2/s.")
     clock_drift_m2_s3: float = Field(
-        0.0004, ge=0.0, description="Random walk of its drift, in (m/s)^2/s."
+        0.04,
+        ge=0.0,
+        description="Random walk of its drift, in (m/s)^2/s: 0.04 for an ordinary TCXO (2 pi^2 "
+        "h-2 c^2 of h-2 = 2e-20), 0.0004 for a good one.",
     )
     robust_sigma: float = Field(
         4.0,
@@ -80,12 +83,12 @@ class TightConfig(BaseModel):
     )
     settle_s: float = Field(60.0, ge=0.0, description="No test before so long after the start.")
     threshold_rate: float = Field(
-        4.75, gt=0.0, description="Of sums of rate innovations, as a normal deviate."
+        4.8, gt=0.0, description="Of sums of rate innovations, as a normal deviate."
     )
     threshold_change: float = Field(
-        4.75, gt=0.0, description="Of sums of innovations of carrier phase."
+        4.8, gt=0.0, description="Of sums of innovations of carrier phase."
     )
-    threshold_code: float = Field(4.75, gt=0.0, description="Of sums of code innovations.")
+    threshold_code: float = Field(4.8, gt=0.0, description="Of sums of code innovations.")
     threshold_separation: float = Field(
         4.1, gt=0.0, description="Of the separation from trusted copies."
     )
@@ -207,6 +210,7 @@ def as_published(states: Literal[17, 11] = 11, **other: Any) -> TightConfig:
         "rate_noise_m_s": 0.07,
         "robust_sigma": 0.0,
         "reference_cn0_dbhz": 0.0,
+        "clock_drift_m2_s3": 0.0004,
     }
     if states == 11:
         published |= {"accelerometer_walk_ug_sqrt_hz": 150.0, "gyro_walk_deg_sqrt_h": 0.04}

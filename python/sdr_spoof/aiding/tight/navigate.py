@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sdr_spoof import _core
-from sdr_spoof.errors import ConfigError
+from sdr_spoof.errors import AidingError
 
 from .config import TightConfig
 from .solution import STATES, TESTS, Event, Start, TightSolution
@@ -37,7 +37,7 @@ def run(
     are left out; with fewer than four satellites, or none, the INS goes on.
 
     Raises:
-        ConfigError: the times of both do not overlap, shapes do not fit, or the start lies outside.
+        AidingError: the times of both do not overlap, shapes do not fit, or the start lies outside.
     """
     one = (measurements.range_m[None], measurements.rate_m_s[None], measurements.change_m[None])
     return run_many(log, measurements, one, [start], config)[0]
@@ -67,7 +67,7 @@ def run_many(
         threads: runs side by side; the numbers do not depend on it.
 
     Raises:
-        ConfigError: as :func:`run`.
+        AidingError: as :func:`run`.
     """
     config = config or TightConfig()
     _check(log, shared, starts)
@@ -84,7 +84,9 @@ def run_many(
         np.ascontiguousarray(shared.satellite_velocity_m_s),
         np.ascontiguousarray(shared.cn0_dbhz),
         np.ascontiguousarray(shared.spoofed),
-        *(np.ascontiguousarray(m) for m in measured),
+        np.ascontiguousarray(measured[0]),
+        np.ascontiguousarray(measured[1]),
+        np.ascontiguousarray(measured[2]),
         np.array(rows),
         starts[0].time_s,
         list(shared.lever_arm_m),
@@ -98,24 +100,24 @@ def run_many(
 
 def _check(log: ImuLog, shared: Measurements, starts: Sequence[Start]) -> None:
     if not log.time_s.size or not shared.time_s.size:
-        raise ConfigError("there are no increments or no epochs; give an IMU file that has some")
+        raise AidingError("there are no increments or no epochs; give an IMU file that has some")
     if log.reference is not None and shared.reference is not None:
         apart = abs(float(log.reference - shared.reference))
         if apart > 1e-6:
-            raise ConfigError("increments and measurements count their times from other instants")
+            raise AidingError("increments and measurements count their times from other instants")
     first, last = log.time_s[0] - log.interval_s, log.time_s[-1]
     if shared.time_s[-1] < first or shared.time_s[0] > last:
-        raise ConfigError(
+        raise AidingError(
             f"increments ({first:.1f} to {last:.1f} s) and measurements ({shared.time_s[0]:.1f} to "
             f"{shared.time_s[-1]:.1f} s) do not overlap; check the time systems of both files"
         )
     start = starts[0].time_s
     if not first - 1e-6 <= start < last:
-        raise ConfigError(
+        raise AidingError(
             f"the start at {start:.1f} s lies outside the increments ({first:.1f} to {last:.1f} s)"
         )
     if np.any(np.diff(log.time_s) <= 0):
-        raise ConfigError("the times of the increments do not ascend; sort the IMU file by time")
+        raise AidingError("the times of the increments do not ascend; sort the IMU file by time")
 
 
 def _solution(made: dict[str, Any], shared: Measurements) -> TightSolution:

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sdr_spoof.aiding.tight import TightConfig, TightSolution
-
 from . import published
 from .attacks import THREE
-from .simulation import ATTACK_S, Case, horizontal_m, runs
+from .simulation import ATTACK_S, Case, default_set, horizontal_m, runs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from sdr_spoof.aiding.tight import TightConfig, TightSolution
 
     from .attacks import Named
 
@@ -27,7 +27,7 @@ SETTLING = 20
 
 @dataclass(frozen=True)
 class Outcome:
-    """R runs of one attack."""
+    """R runs of one attack that began while all satellites were trusted."""
 
     named: Named
     delay_s: Floats
@@ -60,15 +60,17 @@ class Outcome:
 
 def outcome(named: Named, count: int, threads: int, config: TightConfig | None = None) -> Outcome:
     """Run an attack."""
-    case = Case((named.attack,), config=config or TightConfig(), runs=count)
-    made = list(runs(case, threads))
+    case = Case((named.attack,), config=config or default_set(), runs=count)
+    everything = list(runs(case, threads))
+    # A run in which a false alarm lasts says nothing of this attack.
+    made = [s for s in everything if s.state[BEGIN - 1] == 1]
     error = np.array([horizontal_m(s) for s in made])
     settled = END + round(published.BACK_S)
     return Outcome(
         named=named,
         delay_s=np.array([_delay(s) for s in made]),
         held=np.array([_held(s, e) for s, e in zip(made, error, strict=True)]),
-        early=sum(s.first_alarm_s < BEGIN for s in made),
+        early=sum(s.first_alarm_s < BEGIN for s in everything),
         largest_m=error[:, BEGIN:END].max(axis=1),
         after_m=np.median(error[:, settled - SETTLING : settled], axis=1),
         median_m=np.median(error, axis=0),

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sdr_spoof.aiding.tight import TightConfig
 from sdr_spoof.reproduce.study import Number, Picture, Section, Table
 
 from . import published
 from .attack_runs import Outcome, outcome
 from .attacks import LIST
 from .figures import draw_delays, draw_errors
+from .simulation import default_set
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -72,7 +72,7 @@ def section(effort: Effort, stages: Stages) -> Section:
 def floor_section(effort: Effort, stages: Stages) -> Section:
     """What cannot be decided, and what carrier phase adds."""
     cases = [a for a in LIST if a.name in PHASE_CASES]
-    config = TightConfig(carrier_noise_m=CARRIER_M)
+    config = default_set(carrier_noise_m=CARRIER_M)
     rows: list[Sequence[Cell]] = []
     with stages("Floor and carrier phase") as progress:
         for done, named in enumerate(cases, 1):

@@ -6,22 +6,24 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from sdr_spoof.aiding.tight import TightConfig, as_published
+from sdr_spoof.aiding.tight import as_published
 from sdr_spoof.reproduce.study import Number, Section, Table
 
 from . import published
-from .simulation import ATTACK_S, Case, horizontal_m, runs
+from .simulation import ATTACK_S, Case, default_set, horizontal_m, runs
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
+    from sdr_spoof.aiding.tight import TightConfig
     from sdr_spoof.progress import Stages
     from sdr_spoof.reproduce.study import Cell, Effort
 
     Floats = NDArray[np.float64]
 
+LEAST_RUNS = 20
 GRADE_B: dict[str, Any] = {
     "gyro_bias_deg_h": 1.0,
     "gyro_walk_deg_sqrt_h": 0.1,
@@ -36,7 +38,7 @@ def config(grade: str, states: Literal[17, 11], **other: Any) -> TightConfig:
     ours = GRADE_B if grade == "B" else {}
     if states == 11:
         return as_published(11, exclusion="off", **other)
-    return TightConfig(exclusion="off", **ours, **other)
+    return default_set(exclusion="off", **ours, **other)
 
 
 def drift(grade: str, states: Literal[17, 11], count: int, threads: int) -> tuple[Floats, Floats]:
@@ -56,7 +58,7 @@ def drift(grade: str, states: Literal[17, 11], count: int, threads: int) -> tupl
 
 def section(effort: Effort, stages: Stages) -> Section:
     """All grades."""
-    count = max(20, min(effort.runs, 40))
+    count = max(LEAST_RUNS, min(effort.runs, 2 * LEAST_RUNS))
     rows: list[Sequence[Cell]] = []
     numbers: list[Number] = []
     with stages("Coasting") as progress:

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 CALIBRATION_RUNS = 20
 CALIBRATION_FIRST = 500
+LEAST_RUNS = 5
 END = round(ATTACK_S[1])
 LATE = 1490
 DRAGS = {0.2: "all_0.2", 0.5: "all_0.5", 1.0: "all_1", 2.0: "all_2"}
@@ -61,7 +62,7 @@ def _largest(s: TightSolution) -> Floats:
 def section(effort: Effort, stages: Stages) -> Section:
     """Drags of all channels, with and without the published exclusion."""
     attacks = {a.name: a.attack for a in LIST}
-    count = max(5, effort.runs // 10)
+    count = max(LEAST_RUNS, effort.runs // 10)
     rows: list[Sequence[Cell]] = []
     numbers: list[Number] = []
     drawn: dict[str, Floats] = {}
@@ -103,8 +104,8 @@ def section(effort: Effort, stages: Stages) -> Section:
             "hundreds of seconds after the end the position is still wrong, and most channels "
             "excluded.",
             f"11 states, divisors from {CALIBRATION_RUNS} clean runs, {count} runs. The "
-            "publication has no rule for R of position or velocity over 1 with no satellite named; all are "
-            "left out then.",
+            "publication has no rule for R of position or velocity over 1 with no satellite named; "
+            "all are left out then.",
         ),
         tables=[Table("literal", "Drags of all satellites from 600 to 1000 s", columns, rows)],
         pictures=[

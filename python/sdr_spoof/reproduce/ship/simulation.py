@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -43,8 +43,15 @@ SKY_DEG = (
 """Azimuths and elevations of the satellites."""
 NAMES = tuple(f"C{k:02d}" for k in range(19, 19 + len(SKY_DEG)))
 ATTACK_S = (600.0, 1000.0)
+CLOCK_DRIFT_M2_S3 = 0.0004
+"""Of the receiver's clock; a TCXO by the study."""
 CHUNK = 20
 """Runs in memory at a time."""
+
+
+def default_set(**other: Any) -> TightConfig:
+    """The default, with what is known of the clock of the study."""
+    return TightConfig(**({"clock_drift_m2_s3": CLOCK_DRIFT_M2_S3} | other))
 
 
 @dataclass(frozen=True)
@@ -63,7 +70,7 @@ class Case:
 
     attacks: tuple[Attack, ...] = ()
     grade: str = "ship-a"
-    config: TightConfig = field(default_factory=TightConfig)
+    config: TightConfig = field(default_factory=default_set)
     runs: int = 20
     first: int = 0
     """Number of the first run: calibration and judgement use different ones."""
@@ -134,13 +141,13 @@ def _start(config: TightConfig, way: Voyage, number: int) -> Start:
 
 def errors_ned_m(solution: TightSolution) -> Floats:
     """North, east, down (E, 3)."""
-    return solution.error_ned_m(voyage().truth.position_m)
+    return np.asarray(solution.error_ned_m(voyage().truth.position_m))
 
 
 def horizontal_m(solution: TightSolution) -> Floats:
     """Distance from the truth (E,)."""
     north, east, _ = errors_ned_m(solution).T
-    return np.hypot(north, east)
+    return np.asarray(np.hypot(north, east))
 
 
 def velocity_errors_ned_m_s(solution: TightSolution) -> Floats:

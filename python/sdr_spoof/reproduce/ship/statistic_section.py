@@ -108,7 +108,9 @@ def _table(found: dict[float, Floats]) -> Table:
 
 
 def _glitch_table(alarms: Floats) -> Table:
-    rows = [[form, float(share)] for form, share in zip(FORMS, alarms, strict=True)]
+    rows: list[Sequence[Cell]] = [
+        [form, float(share)] for form, share in zip(FORMS, alarms, strict=True)
+    ]
     title = "One glitch of 12 sigma: share of draws with an alarm, divided as printed"
     return Table("statistic_glitch", title, ("form", "share"), rows)
 

@@ -210,7 +210,13 @@ def _numbers(
         yield Number(
             f"{name}_false_alarm", what, rate.probability, low - error, high + error, "", reference
         )
-    del effort
+    runs = min(effort.runs, 500)
+    z = trials.shifted(published.SHIFT, published.ONSET_S, 300, runs, trials.random_of(6))
+    never = decision.find("improved-sprt-as-printed").with_(variance="known").run(z)
+    share = float((never > published.THRESHOLD).any(axis=1).mean())
+    yield Number(
+        "as_printed_never", "as printed, known noise: share alarmed in 300 s", share, 0.0, 0.0
+    )
 
 
 def _equal_numbers(equal: dict[str, _Equal]) -> Iterator[Number]:

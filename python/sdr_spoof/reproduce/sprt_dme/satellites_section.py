@@ -185,7 +185,8 @@ def _numbers(
     first, last = (shares["loose", count]["improved"] for count in (1, 5))
     error = trials.ERRORS / effort.runs**0.5
     return (
-        Number("as_printed_never", "as printed: largest share of runs found", never, 0.0, 0.0),
+        # The printed variance is a random one: where it is near zero, a run of large steps alarms.
+        Number("as_printed_seldom", "as printed: largest share found in 30 s", never, 0.0, 0.03),
         # The publication has it the other way round.
         Number(
             "figure4_order",

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from sdr_spoof.errors import ConfigError
 
-from . import difference, dme_difference, fitted, parity
+from . import difference, dme_difference, fitted, parity, parity_by_satellite
 from .statistic import Statistic
 
 __all__ = ["STATISTICS", "Statistic", "find"]
@@ -20,6 +20,7 @@ STATISTICS: dict[str, Statistic] = {
         difference.STATISTIC,
         difference.CLOCK_FREE,
         parity.STATISTIC,
+        parity_by_satellite.STATISTIC,
         dme_difference.STATISTIC,
     )
 }

@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 
 _SENSOR = re.compile(r"(gyro|accel)_([xyz])_(\w+)")
 _TIMES = (("gps_week", "gps_tow_s"), ("unix_s",), ("time_s",))
+_LAST_S = 4e9
+"""Of dates since 1970: the year 2096."""
 _UNIX_GPS_S = int(GPS_EPOCH.timestamp())
 
 
@@ -58,7 +60,7 @@ def read(path: Path, config: ImuConfig) -> ImuRows:
             f"{path}: has no time: name a column time_s or unix_s, or two gps_week and gps_tow_s"
         )
     values = _numbers(path, lines[1:], names, (*times, *gyro, *accel))
-    reference, time_s = _time(values[:, : len(times)], times, config)
+    reference, time_s = _time(path, values[:, : len(times)], times, config)
     return ImuRows(
         origin=str(path),
         reference=reference,
@@ -117,7 +119,7 @@ def _first_bad(lines: list[str], columns: list[int]) -> str:
 
 
 def _time(
-    values: NDArray[np.float64], names: tuple[str, ...], config: ImuConfig
+    path: Path, values: NDArray[np.float64], names: tuple[str, ...], config: ImuConfig
 ) -> tuple[GnssTime | None, NDArray[np.float64]]:
     """What the times count from, and the times."""
     first = values[0]
@@ -126,6 +128,11 @@ def _time(
         return reference, values[:, 0]
     if not np.isfinite(first).all():
         return None, values[:, -1]
+    if not (np.abs(first) < _LAST_S).all():
+        raise InertialError(
+            f"{path}: {', '.join(names)} of {first.max():g} is no date: are the times milliseconds "
+            "or nanoseconds? Give seconds"
+        )
     if names == ("unix_s",):
         date = GPS_EPOCH.fromtimestamp(float(first[0]), GPS_EPOCH.tzinfo)
         whole = int(np.floor(first[0]))

@@ -388,7 +388,11 @@ mod tests {
     #[test]
     fn a_false_alarm_is_pardoned() {
         let mut guard = alarmed();
-        let (time, action) = until(&mut guard, 101.0, 200, quiet).unwrap();
+        assert_eq!(
+            until(&mut guard, 101.0, 200, quiet),
+            Some((161.0, Action::Coast))
+        );
+        let (time, action) = until(&mut guard, 162.0, 200, quiet).unwrap();
         assert_eq!((time, action), (250.0, Action::Readmit));
         assert_eq!(guard.state(), State::Trusted);
     }

@@ -88,7 +88,8 @@ pub struct Navigator {
     settings: Settings,
     strapdown: Strapdown,
     motion: Motion,
-    turn: Vector3<f64>,
+    /// Rotation rate of the last increment; none before the first.
+    turn: Option<Vector3<f64>>,
     gyro_bias: Vector3<f64>,
     force_bias: Vector3<f64>,
     clock: f64,
@@ -109,7 +110,7 @@ impl Navigator {
             settings: settings.clone(),
             strapdown: Strapdown::new(start),
             motion: Motion::new(),
-            turn: Vector3::zeros(),
+            turn: None,
             gyro_bias: Vector3::zeros(),
             force_bias: Vector3::zeros(),
             clock: 0.0,
@@ -153,7 +154,7 @@ impl Navigator {
         self.strapdown.advance(&corrected);
         let state = self.strapdown.state();
         self.motion.add(state, &corrected.velocity, raw.interval);
-        self.turn = corrected.rotation / raw.interval;
+        self.turn = Some(corrected.rotation / raw.interval);
     }
 
     /// Time that nothing measured: moves on as if nothing turned or accelerated the body, and
@@ -189,7 +190,8 @@ impl Navigator {
                 0.0,
                 -ROTATION_RATE * state.place.latitude.sin(),
             );
-        let swing = state.attitude * (self.turn - earth).cross(&self.settings.lever_arm);
+        let turn = self.turn.unwrap_or(earth) - earth;
+        let swing = state.attitude * turn.cross(&self.settings.lever_arm);
         Antenna {
             position: WGS84.ecef(state.place) + axes * lever,
             velocity: axes * (state.velocity + swing),
@@ -204,6 +206,8 @@ impl Navigator {
     pub fn deviate(&mut self, epoch: &Epoch<'_>, out: &mut Deviations) {
         self.know_clock(epoch);
         let antenna = self.antenna();
+        // Before the first increment nobody knows how fast a lever arm swings.
+        let swings = self.turn.is_none() && self.settings.lever_arm != Vector3::zeros();
         for k in 0..epoch.range.len() {
             let (place, velocity) = (epoch.place[k].into(), epoch.velocity[k].into());
             let sight = antenna.sight(&place, &velocity);
@@ -215,7 +219,8 @@ impl Navigator {
             };
             out.sight[k] = sight;
             out.range[k] = sight.range + self.wander[k] + offset - epoch.range[k];
-            out.rate[k] = sight.rate - epoch.rate[k];
+            let rate = sight.rate - epoch.rate[k];
+            out.rate[k] = if swings { f64::NAN } else { rate };
             out.scale[k] = self.scale(epoch.cn0[k]);
         }
     }

@@ -26,9 +26,14 @@ impl Power {
         }
     }
 
-    /// Takes an epoch's C/N0 (NaN: none), `interval` s after the one before; gives the third
-    /// largest rise in dB. While `held`, the past stays as it is.
-    pub fn push(&mut self, cn0: &[f64], interval: f64, held: bool) -> f64 {
+    /// Forgets what was before.
+    pub fn rebase(&mut self) {
+        self.past.fill(f64::NAN);
+    }
+
+    /// Takes an epoch's C/N0 of the satellites in use (NaN: none), `interval` s after the one
+    /// before; gives the third largest rise in dB.
+    pub fn push(&mut self, cn0: &[f64], interval: f64) -> f64 {
         self.rises.clear();
         let share = |time: f64| 1.0 - (-interval / time).exp();
         for (k, &now) in cn0.iter().enumerate() {
@@ -40,9 +45,7 @@ impl Power {
             }
             self.present[k] += share(PRESENT) * (now - self.present[k]);
             self.rises.push(self.present[k] - self.past[k]);
-            if !held {
-                self.past[k] += share(PAST) * (now - self.past[k]);
-            }
+            self.past[k] += share(PAST) * (now - self.past[k]);
         }
         self.rises.sort_unstable_by(|a, b| b.total_cmp(a));
         self.rises.get(TOGETHER - 1).copied().unwrap_or(0.0)
@@ -56,7 +59,7 @@ mod tests {
     fn quiet(satellites: usize) -> Power {
         let mut power = Power::new(satellites);
         for _ in 0..200 {
-            power.push(&vec![45.0; satellites], 1.0, false);
+            power.push(&vec![45.0; satellites], 1.0);
         }
         power
     }
@@ -65,16 +68,18 @@ mod tests {
     fn ten_decibels_on_three_are_seen_within_seconds() {
         let mut power = quiet(5);
         let rise: Vec<f64> = (0..4)
-            .map(|_| power.push(&[55.0, 55.0, 55.0, 45.0, 45.0], 1.0, true))
+            .map(|_| power.push(&[55.0, 55.0, 55.0, 45.0, 45.0], 1.0))
             .collect();
-        assert!(rise[0] > 3.0 && rise[3] > 8.0);
+        assert!(rise[0] > 3.0 && rise[3] > 7.5);
+        power.rebase();
+        assert_eq!(power.push(&[55.0; 5], 1.0), 0.0);
     }
 
     #[test]
     fn two_that_come_out_of_a_shadow_are_not() {
         let mut power = quiet(5);
         for _ in 0..10 {
-            assert!(power.push(&[55.0, 55.0, 45.0, f64::NAN, 45.0], 1.0, false) < 0.1);
+            assert!(power.push(&[55.0, 55.0, 45.0, f64::NAN, 45.0], 1.0) < 0.1);
         }
     }
 }

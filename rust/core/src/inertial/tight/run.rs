@@ -321,3 +321,6 @@ impl<'a> Pilot<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

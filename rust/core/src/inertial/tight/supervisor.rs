@@ -150,9 +150,8 @@ impl Supervisor {
         let all_out = printed && none_named && self.panel.solution_over();
         for (k, usage) in self.usage.iter_mut().enumerate() {
             let there = epoch.range[k].is_finite() || epoch.rate[k].is_finite();
-            let flagged = self.settings.testing.heed_receiver && epoch.spoofed[k];
             let out = coasts
-                || flagged
+                || self.settings.testing.heed_receiver && epoch.spoofed[k]
                 || all_out
                 || !self.guard.uses(k)
                 || printed && self.panel.satellite_over(k);
@@ -230,8 +229,11 @@ impl Supervisor {
             self.deviates[SEPARATION + span] = place;
             self.deviates[CLOCKS + span] = clock;
         }
-        let held = self.guard.state() != State::Trusted && self.guard.state() != State::Starting;
-        self.deviates[POWER] = self.power.push(epoch.cn0, self.interval, held);
+        for k in 0..self.usage.len() {
+            let heard = self.guard.uses(k) && !self.flagged(epoch, k);
+            self.scratch[0][k] = if heard { epoch.cn0[k] } else { f64::NAN };
+        }
+        self.deviates[POWER] = self.power.push(&self.scratch[0], self.interval);
     }
 
     /// Threshold of a test, and how old a copy it takes to get away from what it saw.
@@ -245,7 +247,7 @@ impl Supervisor {
             CODES..SEPARATION => window(2, test - CODES),
             SEPARATION..CLOCKS => (t[3], 2.0 * SPANS[test - SEPARATION].max(30.0)),
             CLOCKS..POWER => (t[4], 2.0 * SPANS[test - CLOCKS].max(30.0)),
-            _ => (limits.power_rise, 60.0),
+            _ => (limits.power_rise, 20.0),
         }
     }
 
@@ -276,9 +278,8 @@ impl Supervisor {
     fn evidence(&mut self, nav: &Navigator, epoch: &Epoch<'_>, alarm: Option<Alarm>) -> Evidence {
         let (mut agreement, mut culprits, mut back) = (None, None, 0);
         if self.guard.blind() || self.guard.state() == State::Partial {
-            let spoofed = |k: usize| self.settings.testing.heed_receiver && epoch.spoofed[k];
             for k in 0..self.usage.len() {
-                let gone = spoofed(k);
+                let gone = self.flagged(epoch, k);
                 self.scratch[0][k] = if gone { f64::NAN } else { self.dev.range[k] };
                 self.scratch[1][k] = if gone { f64::NAN } else { self.dev.rate[k] };
             }
@@ -345,8 +346,10 @@ impl Supervisor {
             Action::ReadmitWithClock => {
                 nav.lose_clock();
                 self.copies.renew_all(&nav.filter.navigation(), time);
+                self.power.rebase();
             }
-            Action::Readmit | Action::Exclude(_) | Action::Coast | Action::None => (),
+            Action::Readmit => self.power.rebase(),
+            Action::Exclude(_) | Action::Coast | Action::None => (),
         }
         self.windows.iter_mut().for_each(Windows::clear);
         back
@@ -386,6 +389,11 @@ impl Supervisor {
         }
     }
 
+    /// Whether the receiver calls a satellite spoofed, and that counts.
+    fn flagged(&self, epoch: &Epoch<'_>, k: usize) -> bool {
+        self.settings.testing.heed_receiver && epoch.spoofed[k]
+    }
+
     /// Least-squares position and clock, velocity and drift of all satellites minus the INS, from
     /// GNSS alone, and the sums of their squared dilutions.
     fn fix(&self, epoch: &Epoch<'_>) -> ([[f64; 4]; 2], [f64; 2]) {
@@ -398,8 +406,7 @@ impl Supervisor {
         let (mut normal, mut sums) = (Matrix4::zeros(), Vector4::zeros());
         for (k, value) in values.iter().enumerate() {
             // Offsets of other systems are known to a filter that uses them only.
-            let flagged = self.settings.testing.heed_receiver && epoch.spoofed[k];
-            if value.is_finite() && !flagged {
+            if value.is_finite() && !self.flagged(epoch, k) {
                 let row = (-self.dev.sight[k].towards).push(1.0);
                 normal += row * row.transpose();
                 sums += row * *value;
