@@ -247,7 +247,7 @@ impl Supervisor {
             CODES..SEPARATION => window(2, test - CODES),
             SEPARATION..CLOCKS => (t[3], 2.0 * SPANS[test - SEPARATION].max(30.0)),
             CLOCKS..POWER => (t[4], 2.0 * SPANS[test - CLOCKS].max(30.0)),
-            _ => (limits.power_rise, 60.0),
+            _ => (limits.power_rise, 20.0),
         }
     }
 
