@@ -15,7 +15,7 @@ from sdr_spoof.aiding import simulated as sim
 from sdr_spoof.aiding.imu.errors import read
 from sdr_spoof.aiding.imu.grades import draw
 from sdr_spoof.aiding.imu.simulate import ideal_increments
-from sdr_spoof.aiding.tight.config import TightConfig
+from sdr_spoof.aiding.tight import TightConfig
 from sdr_spoof.errors import AidingError, ConfigError
 from sdr_spoof.scenario.sky.trajectory import OnPlane, Trajectory
 
