@@ -8,6 +8,7 @@ import pytest
 from commands import failing
 
 from sdr_spoof.cli import main
+from sdr_spoof.reproduce import sprt_dme
 from sdr_spoof.reproduce.combo import echo_section, multipath, receiver, receiver_section
 from sdr_spoof.reproduce.ins_rate import (
     drag_section,
@@ -123,6 +124,18 @@ def test_quick_reproduction_of_ship(tmp_path, capsys, monkeypatch):
     assert len(printed["errata"]) == 7
     assert printed["tables"]["attacks"][0]["three named right"] == 1.0
     assert {"attack_errors.png", "statistic_delays.csv"} < set(printed["files"])
+
+
+def test_quick_reproduction_of_sprt_dme(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(sprt_dme, "PARTS", (sprt_dme.PARTS[0], sprt_dme.PARTS[5]))
+    folder = tmp_path / "study"
+    command = ["reproduce", "sprt-dme", "--quick", "--threads", "1", "-o", str(folder), "--json"]
+    assert main(command) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["study"] == "sprt-dme"
+    assert printed["met"]
+    assert len(printed["errata"]) == 11
+    assert {"equations.csv", "isolation.csv", "sprt-dme.html"} < set(printed["files"])
 
 
 def test_unknown_study(tmp_path, capsys):

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import scipy.signal
 from rich.console import Console
 from simulated_tracks import Attack, Satellite, simulate_log
 
@@ -20,7 +19,6 @@ from sdr_spoof.report import TruthMark, estimate_spectrum, print_verdict, write_
 from sdr_spoof.report.evidence import EvidenceBook
 from sdr_spoof.report.figures import style
 from sdr_spoof.report.figures.satellite import code_minus_carrier_m, correlation_shape
-from sdr_spoof.report.spectrum import welch
 from sdr_spoof.report.words import headline
 from sdr_spoof.verdict import detect
 
@@ -155,20 +153,6 @@ def test_names_are_escaped(tmp_path):
     assert "Not enough support" in text
     assert "No satellite was tracked" in text
     assert "interrupted" in text
-
-
-@pytest.mark.parametrize("complex_", [False, True])
-def test_the_estimate_of_power_is_that_of_scipy(complex_):
-    rng = np.random.default_rng(7)
-    samples = rng.normal(size=5001) + (1j * rng.normal(size=5001) if complex_ else 0.0)
-    for bins in (512, 511, 6000):
-        frequency, density = welch(samples, 1e6, bins)
-        length = min(bins, samples.size)
-        known = scipy.signal.welch(
-            samples, 1e6, nperseg=length, detrend=False, return_onesided=not complex_
-        )
-        np.testing.assert_allclose(frequency, known[0])
-        np.testing.assert_allclose(density, known[1], rtol=1e-9)
 
 
 def test_spectrum_finds_the_tone_and_the_noise_level():

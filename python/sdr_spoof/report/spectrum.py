@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
+from scipy.signal import welch
 
 from sdr_spoof import _core
 
@@ -70,33 +70,14 @@ def _section(
     form = recording.format
     raw = recording.read_raw(start, count)
     values = _core.unpack(form.sample_format, raw, form.float_scale, form.conjugate)
-    samples = values.astype(np.float32)
+    samples = values.astype(np.float64)
     if _core.sample_format(form.sample_format)[1]:
-        samples = samples.view(np.complex64)
-    return welch(samples, form.sample_rate_hz, bins)
-
-
-def welch(
-    samples: NDArray[Any], rate_hz: float, bins: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Frequencies in Hz and power density per Hz, one-sided for real samples.
-
-    Mean over segments of ``bins`` samples that overlap by half, under a Hann window, in the
-    precision of the samples (Welch, "The use of fast Fourier transform for the estimation of power
-    spectra", IEEE Transactions on Audio and Electroacoustics 15, 1967). scipy.signal, which has
-    the same, takes a second to import.
-    """
-    length = min(bins, samples.size)
-    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(length) / length)
-    overlapping = sliding_window_view(samples, length)[:: length - length // 2]
-    segments = overlapping * window.astype(samples.real.dtype)
-    if np.iscomplexobj(samples):
-        frequency, power = np.fft.fftfreq(length), _mean_power(np.fft.fft(segments, axis=1))
-    else:
-        frequency, power = np.fft.rfftfreq(length), _mean_power(np.fft.rfft(segments, axis=1))
-        power[1 : (length + 1) // 2] *= 2.0
-    return np.asarray(frequency * rate_hz), power / (rate_hz * float(window @ window))
-
-
-def _mean_power(values: NDArray[Any]) -> NDArray[np.float64]:
-    return np.asarray(np.mean(values.real**2 + values.imag**2, axis=0, dtype=np.float64))
+        samples = samples[0::2] + 1j * samples[1::2]
+    frequency, density = welch(
+        samples,
+        fs=form.sample_rate_hz,
+        nperseg=min(bins, samples.size),
+        detrend=False,
+        return_onesided=not np.iscomplexobj(samples),
+    )
+    return np.asarray(frequency), np.asarray(density)
