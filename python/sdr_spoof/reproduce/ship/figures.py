@@ -68,7 +68,8 @@ def draw_errors(found: Sequence[Outcome]) -> bytes:
             _times(axes)
             axes.set(yscale="log")
             axes.set_title("b) three satellites" if three else "a) all satellites")
-            axes.legend(fontsize=8)
+            if some:
+                axes.legend(fontsize=8)
         panels[0].set_ylabel("horizontal error (m)")
 
     return style.png(draw, 9.6, 4.0)
