@@ -11,8 +11,11 @@ from .command import Command, Outcome
 
 if TYPE_CHECKING:
     import argparse
+    from collections.abc import Sequence
 
     from rich.console import Console
+
+    from sdr_spoof.scenario import Scenario
 
     from .ui import Ui
 
@@ -90,8 +93,12 @@ def _synthesize(arguments: argparse.Namespace, ui: Ui) -> Outcome:
         console.print(f"Truth:     {truth}", highlight=False, soft_wrap=True)
         if imu is not None:
             console.print(f"IMU:       {imu}", highlight=False, soft_wrap=True)
+            console.print(f"  process it with --imu {imu} {_imu_flags(scenario)}", soft_wrap=True)
         if dme is not None:
             console.print(f"DME:       {dme}", highlight=False, soft_wrap=True)
+        if scenario.sky is not None and scenario.sky.array is not None:
+            places = ";".join(_listed(e) for e in scenario.sky.array.elements_m)
+            console.print(f"Antennas:  --elements '{places}'", highlight=False, soft_wrap=True)
 
     data = {
         "recording": meta,
@@ -102,6 +109,17 @@ def _synthesize(arguments: argparse.Namespace, ui: Ui) -> Outcome:
         "duration_s": scenario.recording.duration_s,
     }
     return Outcome(data, render)
+
+
+def _imu_flags(scenario: Scenario) -> str:
+    """What ``process`` and ``aid`` want to know of the IMU."""
+    assert scenario.sky is not None and scenario.imu is not None
+    arm = f"--lever-arm={_listed(scenario.sky.receiver.lever_arm_m)}"
+    return f"{arm} --grade {scenario.imu.grade}" if scenario.imu.grade else arm
+
+
+def _listed(values: Sequence[float]) -> str:
+    return ",".join(f"{v:g}" for v in values)
 
 
 COMMAND = Command(
