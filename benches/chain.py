@@ -15,6 +15,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
+import scipy
+
 from sdr_spoof.config import load_config
 from sdr_spoof.pipeline import process
 from sdr_spoof.scenario import Scenario, builtin_scenario, synthesize
@@ -36,6 +38,7 @@ def scenario(duration_s: float) -> Scenario:
 
 def main() -> None:
     """Make the recording, process it, print a table."""
+    _ = scipy.special, scipy.ndimage  # loaded when they are named
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seconds", type=float, default=60.0, help="of signal")
     parser.add_argument("--threads", type=int, default=2)

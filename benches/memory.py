@@ -1,8 +1,10 @@
 """Most memory that ``process`` uses, for recordings of several lengths: python benches/memory.py.
 
 Twelve satellites with B1I and B1C, standing still, so that 18 s (the length of the pilot's
-secondary code) can be played over and over without a seam. Each length runs in a process of its
-own; Linux only.
+secondary code) can be played over and over without a seam. With ``--sky`` the whole recording is
+made instead, the static sky of 19 satellites with their messages, B1I at 5 Msps (10 MB a second of
+disk, taken away afterwards), so that positions are computed too. Each length runs in a process of
+its own; Linux only.
 """
 
 from __future__ import annotations
@@ -18,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from sdr_spoof import load_config, open_recording, process, synthesize
-from sdr_spoof.scenario import Scenario
+from sdr_spoof.scenario import Scenario, builtin_scenario
 
 PERIOD_S = 18.0
 PRNS = range(19, 31)
@@ -31,7 +33,7 @@ class Repeating:
         once = open_recording(path)
         self._once = once
         self.path, self.format, self.extra = once.path, once.format, once.extra
-        self.duration_s = duration_s
+        self.start, self.duration_s = None, duration_s
         self.sample_count = round(duration_s * once.format.sample_rate_hz)
         self.signals, self.check_signal = once.signals, once.check_signal
 
@@ -62,6 +64,12 @@ def scenario(rate_hz: float, duration_s: float) -> Scenario:
     return Scenario.model_validate({"recording": recording, "satellite": satellites})
 
 
+def sky(duration_s: float) -> Scenario:
+    values = builtin_scenario("sky-static").model_dump()
+    values["recording"] |= {"duration_s": duration_s, "sample_rate_hz": 5e6, "bandwidth_hz": 4.5e6}
+    return Scenario.model_validate(values)
+
+
 def most_memory_mib() -> float:
     status = Path("/proc/self/status").read_text()
     return int(status.partition("VmHWM:")[2].split()[0]) / 1024
@@ -74,21 +82,22 @@ def stages(label: str):
     print(f"  {label}: {time.monotonic() - start:.1f} s, {most_memory_mib():.0f} MiB", flush=True)
 
 
-def run(path: Path, minutes: float) -> None:
+def run(path: Path, minutes: float, *, whole: bool) -> None:
     print(f"{minutes:g} minutes")
-    recording = Repeating(path, 60.0 * minutes)
+    chosen = {} if whole else {"signals": ["B1I", "B1CP"], "prns": PRNS}
     done = process(
-        recording,  # type: ignore[arg-type]  # what it needs of one
+        open_recording(path) if whole else Repeating(path, 60.0 * minutes),  # type: ignore[arg-type]
         load_config(),
         out=path.parent / "out",
-        signals=["B1I", "B1CP"],
-        prns=PRNS,
         force=True,
         stages=stages,
+        **chosen,
     )
+    fixes = done.located.fixes.fixed.sum() if done.located else 0
     rows = sum(track.epochs for track in done.log.signals)
     size = done.result_path.stat().st_size / 1e6
-    print(f"  {rows} rows, result of {size:.0f} MB: {most_memory_mib():.0f} MiB at most")
+    most = most_memory_mib()
+    print(f"  {rows} rows, {fixes} fixes, result of {size:.0f} MB: {most:.0f} MiB at most")
 
 
 def main() -> None:
@@ -96,15 +105,21 @@ def main() -> None:
     parser.add_argument("--rate-msps", type=float, default=20.0)
     parser.add_argument("--minutes", type=float, nargs="+", default=[1.0, 10.0])
     parser.add_argument("--recording", type=Path, help="run on this one, made before")
+    parser.add_argument("--sky", action="store_true", help="a whole sky, with positions")
     arguments = parser.parse_args()
     if arguments.recording is not None:
-        run(arguments.recording, arguments.minutes[0])
+        run(arguments.recording, arguments.minutes[0], whole=arguments.sky)
         return
     with tempfile.TemporaryDirectory(prefix="sdr-spoof-memory-") as folder:
-        duration_s = min(PERIOD_S, 60.0 * max(arguments.minutes))
-        meta = synthesize(scenario(1e6 * arguments.rate_msps, duration_s), Path(folder) / "period")
+        period = Path(folder) / "period"
         for minutes in arguments.minutes:
+            if arguments.sky:
+                meta = synthesize(sky(60.0 * minutes), Path(folder) / "sky", force=True)
+            elif not period.with_suffix(".sigmf-meta").exists():
+                duration_s = min(PERIOD_S, 60.0 * max(arguments.minutes))
+                meta = synthesize(scenario(1e6 * arguments.rate_msps, duration_s), period)
             command = [sys.executable, __file__, "--recording", meta, "--minutes", minutes]
+            command += ["--sky"] * arguments.sky
             subprocess.run([str(word) for word in command], check=True)
 
 

@@ -20,8 +20,6 @@ from functools import lru_cache
 import numpy as np
 import scipy
 
-from .root import root
-
 DOPPLER_CORRELATION = (2 / np.pi,)
 """Correlation of Doppler cells 1/(2T) apart: sinc(1/2). It is 0 for the next but one."""
 LEAST_P = 1e-35
@@ -47,7 +45,7 @@ def threshold(
     def excess(level: float) -> float:
         return float(np.log(expected_clumps(level, bins, lags, blocks, delay_correlation)) - wanted)
 
-    return root(excess, single, union, 1e-6)
+    return float(scipy.optimize.brentq(excess, single, union, xtol=1e-6))
 
 
 def log10_probability(

@@ -16,6 +16,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from .acquisition import AcquisitionConfig
 from .aided.config import AidedConfig
 from .aiding.array.config import ArrayConfig
+from .aiding.dme.config import SequentialConfig
 from .aiding.imu.config import ImuConfig
 from .aiding.rate_config import RateConfig
 from .aiding.tight.config import TightConfig
@@ -68,6 +69,9 @@ class Config(BaseModel):
     )
     tight: TightConfig = Field(
         default_factory=TightConfig, description="tightly coupled filter of GNSS and INS"
+    )
+    sequential: SequentialConfig = Field(
+        default_factory=SequentialConfig, description="sequential tests against an INS and DME"
     )
     array: ArrayConfig = Field(
         default_factory=ArrayConfig, description="directions by an array of antennas"

@@ -8,12 +8,19 @@ import pytest
 from commands import failing
 
 from sdr_spoof.cli import main
+from sdr_spoof.reproduce import sprt_dme
 from sdr_spoof.reproduce.combo import echo_section, multipath, receiver, receiver_section
 from sdr_spoof.reproduce.ins_rate import (
     drag_section,
     drift_section,
     false_alarms,
     flight_section,
+)
+from sdr_spoof.reproduce.ship import (
+    attack_section,
+    clean_section,
+    coasting_section,
+    literal_section,
 )
 from sdr_spoof.reproduce.study import Section
 
@@ -99,6 +106,36 @@ def test_quick_reproduction_of_ins_rate(tmp_path, capsys, monkeypatch):
     assert len(printed["errata"]) == 9
     assert len(printed["tables"]["table5"]) == 9
     assert {"figure11.png", "local_test.png", "samples.csv"} < set(printed["files"])
+
+
+def test_quick_reproduction_of_ship(tmp_path, capsys, monkeypatch):
+    def nothing(effort, stages):
+        return Section("left out")
+
+    for module in (literal_section, coasting_section, clean_section):
+        monkeypatch.setattr(module, "section", nothing)
+    three = [a for a in attack_section.LIST if a.name == "three_0.5"]
+    monkeypatch.setattr(attack_section, "LIST", three)
+    folder = tmp_path / "study"
+    command = ["reproduce", "ship", "--quick", "--runs", "1", "-o", str(folder), "--json"]
+    assert main(command) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["met"]
+    assert len(printed["errata"]) == 7
+    assert printed["tables"]["attacks"][0]["three named right"] == 1.0
+    assert {"attack_errors.png", "statistic_delays.csv"} < set(printed["files"])
+
+
+def test_quick_reproduction_of_sprt_dme(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(sprt_dme, "PARTS", (sprt_dme.PARTS[0], sprt_dme.PARTS[5]))
+    folder = tmp_path / "study"
+    command = ["reproduce", "sprt-dme", "--quick", "--threads", "1", "-o", str(folder), "--json"]
+    assert main(command) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["study"] == "sprt-dme"
+    assert printed["met"]
+    assert len(printed["errata"]) == 11
+    assert {"equations.csv", "isolation.csv", "sprt-dme.html"} < set(printed["files"])
 
 
 def test_unknown_study(tmp_path, capsys):

@@ -15,6 +15,7 @@ from sdr_spoof.aiding import simulated as sim
 from sdr_spoof.aiding.imu.errors import read
 from sdr_spoof.aiding.imu.grades import draw
 from sdr_spoof.aiding.imu.simulate import ideal_increments
+from sdr_spoof.aiding.tight import TightConfig
 from sdr_spoof.errors import AidingError, ConfigError
 from sdr_spoof.scenario.sky.trajectory import OnPlane, Trajectory
 
@@ -121,7 +122,7 @@ def test_a_grade_sets_what_the_filter_believes():
     # A TCXO of h-2 = 2e-20: 2 pi^2 c^2 h-2.
     assert config.tight.clock_drift_m2_s3 == pytest.approx(0.0355, abs=1e-4)
     plain = with_hardware(ship.config(aided={"oscillator": ""}))
-    assert plain.tight.clock_drift_m2_s3 == 0.0004
+    assert plain.tight.clock_drift_m2_s3 == TightConfig().clock_drift_m2_s3
     own = ship.config(tight={"gyro_bias_deg_h": 3.0}, aided={"grade": "tactical"})
     assert with_hardware(own).tight.gyro_bias_deg_h == 3.0
     with pytest.raises(ConfigError, match="no IMU grade 'gold'"):

@@ -11,6 +11,7 @@ from sdr_spoof.aiding.dme.model import simulate
 from sdr_spoof.aiding.dme.spoofing import clock_only, coherent, ramp, step
 from sdr_spoof.aiding.dme.stations import Station, sigma_m, slant_ranges_m
 from sdr_spoof.aiding.dme.statistics import STATISTICS, find
+from sdr_spoof.aiding.simulated import fixed
 from sdr_spoof.errors import AidingError, ConfigError
 from sdr_spoof.nav.geodesy import geodetic_to_ecef
 from sdr_spoof.reproduce.sprt_dme import published
@@ -41,6 +42,22 @@ def test_the_reference_geometry_has_its_numbers():
     assert pdop(geometry) == pytest.approx(3.9, abs=0.05)
     hat = np.diag(geometry.without_stations().hat())
     np.testing.assert_allclose(hat, [0.860, 0.952, 0.733, 0.768, 0.688], atol=1e-3)
+
+
+def test_geometry_of_places_is_that_of_directions():
+    place = geodetic_to_ecef(np.array([34.0, 108.0, 10_000.0]))
+    seen = fixed(np.zeros(1), place, SEVEN).position_m[0]
+    seen = np.vstack([seen, np.full((1, 3), np.nan)])
+    stations = (Station("A", 34.6, 108.4, 400.0), Station("B", 33.6, 109.0, 500.0))
+    geometry = Geometry.at(place, seen, 3.0, stations)
+    np.testing.assert_allclose(geometry.design[:7], made().design[:7], atol=1e-9)
+    assert geometry.stations == 2
+    # 76 and 103 km away.
+    np.testing.assert_allclose(geometry.sigma_m[-2:], [182.6, 182.6], atol=0.1)
+    north_east = -geometry.design[7, :2]
+    bearing = np.degrees(np.arctan2(*north_east))
+    assert bearing == pytest.approx(28.7, abs=0.5)
+    assert Geometry.at(place, seen, 3.0).stations == 0
 
 
 @pytest.mark.parametrize("name", STATISTICS)

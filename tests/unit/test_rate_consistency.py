@@ -220,6 +220,23 @@ def test_gaps_realignment_and_new_satellites_raise_no_alarm():
         assert alarm(name, clean, again, settings)[0] is None
 
 
+def test_an_ins_that_begins_late_and_ends_early_is_tested_where_it_is():
+    way = circle()
+    late = drifting(way, TIMES[50:], (0.5, -0.5, 0.5), (50.0, 50.0, -50.0))
+    ends = {
+        name: getattr(late, name)[:-30]
+        for name in ("time_s", "position_m", "velocity_m_s", "attitude_rad", "aligned_s")
+    }
+    late, settings = replace(late, **ends), config(grade="n2")
+    drag = velocity_drag((0.0, 0.1, 0.0), 150.0)
+    for name in aided.AIDED:
+        for series in aided.find(name).statistics(measured(way, TIMES), late, settings):
+            assert decision.decide(series, settings.detection) is None, name
+            assert not ((series.time_s < 50.0) | (series.time_s > 270.0)).any(), name
+    decided, _ = alarm("rate_drag", measured(way, TIMES, [drag]), late, settings)
+    assert 150.0 < decided.alarm_s <= 153.0
+
+
 def test_few_and_degenerate_satellites_are_no_support():
     way = straight()
     states = true_states(way, TIMES)

@@ -3,7 +3,10 @@
 import subprocess
 import sys
 
-SLOW = ("scipy.stats", "scipy.optimize", "scipy.special", "scipy.signal", "matplotlib", "h5py")
+SLOW = (
+    *("scipy.stats", "scipy.optimize", "scipy.special", "scipy.signal", "scipy.ndimage"),
+    *("matplotlib", "h5py", "rich", "jinja2", "sdr_spoof.nav.messages"),
+)
 
 
 def test_the_command_line_loads_nothing_slow():

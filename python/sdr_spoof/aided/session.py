@@ -116,7 +116,7 @@ def session_of(
     """As :func:`open_session`, of observations at hand."""
     with stages("Measurements"):
         read = read_imu(imu, config.imu)
-        contents, notes = _navigation(observed, config)
+        contents, notes = orbits_of(observed, config)
         measured = measurements.of(
             observed.observations, contents, config.pvt, lever_arm_m=config.imu.lever_arm_m
         )
@@ -125,7 +125,7 @@ def session_of(
     return Session(found, (name, imu.name), known, (*observed.notes, *read.notes, *notes))
 
 
-def _navigation(observed: Observed, config: Config) -> tuple[Store, tuple[str, ...]]:
+def orbits_of(observed: Observed, config: Config) -> tuple[Store, tuple[str, ...]]:
     """What was received, and the files.
 
     Raises:

@@ -13,11 +13,6 @@ class RateConfig(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     # Noise of the measurements.
-    noise: Literal["model", "trained"] = Field(
-        "model",
-        description="Where the noise of a phase comes from: 'model' (carrier_sigma_m and C/N0) or "
-        "'trained' (what the satellites disagree by during the first training_s).",
-    )
     carrier_sigma_m: float = Field(
         0.005,
         gt=0.0,
@@ -27,9 +22,6 @@ class RateConfig(BaseModel):
     )
     code_sigma_m: float = Field(
         1.0, gt=0.0, description="Noise of one pseudorange at 45 dB-Hz and more, in m."
-    )
-    training_s: float = Field(
-        200.0, ge=10.0, description="Signal from which thresholds or noise are trained, in s."
     )
     min_cn0_dbhz: float = Field(28.0, description="Satellites with less are left out, in dB-Hz.")
     max_gap_s: float = Field(

@@ -30,15 +30,17 @@ from . import (
     info,
     process,
     reproduce,
+    sequential,
     synth,
     track,
     validate,
 )
 from .command import INTERRUPTED, Command, Outcome, to_plain
-from .ui import Ui
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from .ui import Ui
 
 __all__ = ["main"]
 
@@ -50,6 +52,7 @@ COMMANDS: tuple[Command, ...] = (
     process.COMMAND,
     fix.COMMAND,
     aid.COMMAND,
+    sequential.COMMAND,
     array.COMMAND,
     demo.COMMAND,
     campaign.COMMAND,
@@ -69,6 +72,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     if arguments.command is None:
         parser.print_help(sys.stderr)
         return 2
+    from .ui import Ui  # noqa: PLC0415 - help needs none, and rich is slow to import
+
     ui = Ui(json_mode=arguments.json, progress=arguments.progress)
     try:
         outcome: Outcome = arguments.command.run(arguments, ui)

@@ -9,7 +9,6 @@ from sdr_spoof import config
 
 from . import options, process, tables
 from .command import Command, Outcome
-from .ui import program
 
 if TYPE_CHECKING:
     import argparse
@@ -55,6 +54,8 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
 
 
 def _closing(demo: Demo) -> str:
+    from .ui import program  # noqa: PLC0415 - rich is slow to import
+
     data = demo.processed.recording.path
     meta, name = data.with_suffix(".sigmf-meta"), program()
     return (

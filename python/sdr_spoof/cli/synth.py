@@ -35,7 +35,8 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     )
     options.add_output(
         parser,
-        "recording to write: <PATH>.sigmf-data, -meta, .truth.json, and .imu.csv if it has an IMU",
+        "recording to write: <PATH>.sigmf-data, -meta, .truth.json; .imu.csv if it has an IMU, "
+        ".dme.csv if it has DME stations",
     )
     options.add_threads(parser)
 
@@ -62,6 +63,7 @@ def _list() -> Outcome:
 
 def _synthesize(arguments: argparse.Namespace, ui: Ui) -> Outcome:
     from sdr_spoof.scenario import (  # noqa: PLC0415
+        dme_path,
         find_scenario,
         imu_path,
         synthesize,
@@ -81,17 +83,21 @@ def _synthesize(arguments: argparse.Namespace, ui: Ui) -> Outcome:
         )
     truth = truth_path(meta)
     imu = None if scenario.imu is None else imu_path(meta)
+    dme = dme_path(meta) if scenario.dme else None
 
     def render(console: Console) -> None:
         console.print(f"Recording: {meta}", highlight=False, soft_wrap=True)
         console.print(f"Truth:     {truth}", highlight=False, soft_wrap=True)
         if imu is not None:
             console.print(f"IMU:       {imu}", highlight=False, soft_wrap=True)
+        if dme is not None:
+            console.print(f"DME:       {dme}", highlight=False, soft_wrap=True)
 
     data = {
         "recording": meta,
         "truth": truth,
         "imu": imu,
+        "dme": dme,
         "sample_count": scenario.recording.sample_count,
         "duration_s": scenario.recording.duration_s,
     }

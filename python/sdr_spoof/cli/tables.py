@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from rich import box
-from rich.table import Table
-
 from sdr_spoof.records import State
 from sdr_spoof.signals import signal_spec
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+
+    from rich.table import Table
 
     from sdr_spoof.pipeline import TruthComparison
     from sdr_spoof.records import Acquisition, SignalTrack
@@ -19,6 +18,9 @@ if TYPE_CHECKING:
 
 def table(title: str, *columns: str, left: Sequence[str] = ()) -> Table:
     """Build an empty table; numbers go to the right, columns named in ``left`` to the left."""
+    from rich import box  # noqa: PLC0415 - slow to import
+    from rich.table import Table  # noqa: PLC0415
+
     made = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", title_style="bold")
     for column in columns:
         made.add_column(column, justify="left" if column in left else "right")

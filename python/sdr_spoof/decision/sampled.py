@@ -58,8 +58,7 @@ def decide(
     samples = independent(series, per_hour)
     if samples.z.size == 0:
         return None
-    size = min(max(samples.z.size // 3, LEAST_SAMPLES), BASELINE)
-    fitted = fit(samples.z[:size])
+    fitted = fit(samples.z[: baseline_of(samples.z.size)])
     if fitted.refusal is not None:
         return Refusal(f"rule '{rule.name}' does not judge: {fitted.refusal.reason}")
     rule = replace(rule, parameters=rule.configured(rule.parameters, config))
@@ -69,6 +68,11 @@ def decide(
     if first == path.size:
         return None
     return _decision(rule, series, samples, path, (first, threshold, per_hour), config)
+
+
+def baseline_of(samples: int) -> int:
+    """How many of the first samples tell what all are like."""
+    return min(max(samples // 3, LEAST_SAMPLES), BASELINE)
 
 
 def independent(series: StatisticSeries, per_hour: float) -> Samples:

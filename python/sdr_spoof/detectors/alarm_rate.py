@@ -21,14 +21,12 @@ changes: the quotient of two sample variances, as the normal quantile of its F l
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 
 import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
-
-from sdr_spoof.root import root
 
 DIRECTIONS = 64
 """Directions over which the mean is taken, over half a turn."""
@@ -54,7 +52,7 @@ def _threshold(
     def excess(z: float) -> float:
         return float(np.log(alarms_per_hour(z, windows, reference, step_s) / false_alarms_per_hour))
 
-    return LEAST_SIGMAS if excess(LEAST_SIGMAS) < 0.0 else root(excess, 2.0, 30.0, 1e-12)
+    return LEAST_SIGMAS if excess(LEAST_SIGMAS) < 0.0 else _zero(excess)
 
 
 def mean_threshold_sigmas(
@@ -75,7 +73,7 @@ def _mean_threshold(
         rate = mean_alarms_per_hour(z, window, reference, step_s)
         return float(np.log(rate / false_alarms_per_hour))
 
-    return LEAST_SIGMAS if excess(LEAST_SIGMAS) < 0.0 else root(excess, 2.0, 30.0, 1e-12)
+    return LEAST_SIGMAS if excess(LEAST_SIGMAS) < 0.0 else _zero(excess)
 
 
 def mean_alarms_per_hour(z: float, window: int, reference: int, step_s: float) -> float:
@@ -130,3 +128,8 @@ def overshoot(x: ArrayLike) -> NDArray[np.float64]:
 def _density(x: ArrayLike) -> NDArray[np.float64]:
     """Of the standard normal law."""
     return np.asarray(np.exp(-0.5 * np.square(x)) / np.sqrt(2.0 * np.pi))
+
+
+def _zero(excess: Callable[[float], float]) -> float:
+    """Standard deviations at which it is zero."""
+    return float(scipy.optimize.brentq(excess, 2.0, 30.0))

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
 
-    from .locate import Located
+    from .located import Located
 
 
 @dataclass(frozen=True)

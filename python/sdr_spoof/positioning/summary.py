@@ -13,7 +13,7 @@ from sdr_spoof.route import Quality
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from .locate import Located
+    from .located import Located
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ For files only: nothing here drives a transmitter.
 """
 
 from .attack import Asynchronous, InducedAttack, Meaconing, Multipath, Position, Ray
+from .dme_table import DmeTable, dme_of
 from .emitters import Transmission, transmissions
 from .imu_data import ScenarioImu, imu_of
 from .imu_table import ImuTable
@@ -12,11 +13,12 @@ from .model import Scenario
 from .recording_plan import RecordingPlan
 from .satellite import Satellite
 from .sky import Sky, SkySatellite, SkyTable
-from .synthesis import imu_path, open_synthesizer, synthesize, truth_path
+from .synthesis import dme_path, imu_path, open_synthesizer, synthesize, truth_path
 from .truth import attack_timelines, truth
 
 __all__ = [
     "Asynchronous",
+    "DmeTable",
     "ImuTable",
     "InducedAttack",
     "Meaconing",
@@ -33,6 +35,8 @@ __all__ = [
     "Transmission",
     "attack_timelines",
     "builtin_scenario",
+    "dme_of",
+    "dme_path",
     "find_scenario",
     "imu_of",
     "imu_path",

@@ -13,6 +13,8 @@ from sdr_spoof.signals import components, signal_spec
 
 from .attack import AnyAttack, Victims
 from .base import FROZEN
+from .dme_table import DmeTable
+from .dme_table import check as check_dme
 from .draw import integer, of_attack
 from .imu_table import ImuTable
 from .recording_plan import RecordingPlan
@@ -38,6 +40,7 @@ class Scenario(BaseModel):
     satellite: tuple[Satellite, ...] = Field((), description="authentic satellites")
     attack: tuple[AnyAttack, ...] = Field((), description="attacks, and multipath")
     imu: ImuTable | None = Field(None, description="inertial sensors beside the antenna")
+    dme: tuple[DmeTable, ...] = Field((), description="DME stations about the receiver")
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -49,6 +52,7 @@ class Scenario(BaseModel):
             table = "[[satellite]]" if satellite in self.satellite else "[sky]"
             self._check_band(table, satellite, satellite.signals)
         self._check_imu()
+        check_dme(self.dme, sky=self.sky is not None)
         for number, attack in enumerate(self.attack):
             try:
                 attack.check(self.satellites, self.recording.duration_s)
@@ -98,8 +102,8 @@ class Scenario(BaseModel):
         # The IMU is one: its log lies beside the reference's recording.
         imus = [self.imu, *[None] * (len(skies) - 1)]
         return tuple(
-            self.model_copy(update={"sky": s, "imu": imu})
-            for s, imu in zip(skies, imus, strict=True)
+            self.model_copy(update={"sky": s, "imu": imu, "dme": () if k else self.dme})
+            for k, (s, imu) in enumerate(zip(skies, imus, strict=True))
         )
 
     @property

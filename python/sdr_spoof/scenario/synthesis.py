@@ -13,6 +13,7 @@ from sdr_spoof.errors import OutputError
 from sdr_spoof.sources import RecordingFormat
 from sdr_spoof.sources.sigmf_file import DATA, META, write_meta
 
+from .dme_table import dme_csv
 from .emitters import transmissions
 from .imu_data import imu_of
 from .truth import truth
@@ -64,7 +65,8 @@ def synthesize(
 ) -> Path:
     """Write ``<out>.sigmf-data``, ``<out>.sigmf-meta`` and ``<out>.truth.json``.
 
-    A scenario with an IMU writes what it reads to ``<out>.imu.csv``; one with an array, what a
+    A scenario with an IMU writes what it reads to ``<out>.imu.csv``; one with DME stations, the
+    slant ranges to them to ``<out>.dme.csv``; one with an array, what a
     perfect INS would say to ``<out>.a0.vehicle.csv``.
 
     2-bit samples, which SigMF does not know, go to ``<out>.bin`` with ``<out>.bin.toml``. Ctrl-C
@@ -134,6 +136,11 @@ def truth_path(recording: Path | str) -> Path:
     return _with(_stem(Path(recording)), ".truth.json")
 
 
+def dme_path(recording: Path | str) -> Path:
+    """Path of the DME ranges beside a synthetic recording, named by any of its files."""
+    return _with(_stem(Path(recording)), ".dme.csv")
+
+
 def imu_path(recording: Path | str) -> Path:
     """Path of the IMU's file beside a synthetic recording, named by any of its files."""
     return _with(_stem(Path(recording)), ".imu.csv")
@@ -150,12 +157,13 @@ class _Files:
         self.meta = _with(stem, ".bin.toml" if raw else META)
         self.truth = _with(stem, ".truth.json")
         self.imu = None if scenario.imu is None else _with(stem, ".imu.csv")
+        self.dme = _with(stem, ".dme.csv") if scenario.dme else None
         self.vehicle = _with(stem, ".vehicle.csv") if moves_array(scenario) else None
         self.partial = _with(stem, ".part")
         self._raw = raw
 
     def check_absent(self) -> None:
-        for path in (self.data, self.meta, self.truth, self.imu, self.vehicle):
+        for path in (self.data, self.meta, self.truth, self.imu, self.dme, self.vehicle):
             if path is not None and path.exists():
                 raise OutputError(f"{path}: exists already; give another name or use --force")
 
@@ -174,6 +182,9 @@ class _Files:
         imu = imu_of(scenario, duration_s=count / plan.sample_rate_hz)
         if imu is not None and self.imu is not None:
             self.imu.write_text(imu.csv(), encoding="ascii")
+        dme = dme_csv(scenario, count / plan.sample_rate_hz)
+        if dme is not None and self.dme is not None:
+            self.dme.write_text(dme, encoding="utf-8")
         if self.vehicle is not None:
             self.vehicle.write_text(vehicle_csv(scenario), encoding="ascii")
         text = json.dumps(truth(scenario, sample_count=count))

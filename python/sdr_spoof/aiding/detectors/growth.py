@@ -87,23 +87,33 @@ def cross_matrix(vector: Floats) -> Floats:
 
 
 def steps(ins: States, time_s: Floats, budget: Budget) -> Steps:
-    """Transitions between the epochs (..., E), from what the INS says of its motion."""
+    """Transitions between the epochs (..., E), from what the INS says of its motion.
+
+    Where it says nothing, before its first and after its last state, it stands still there, and
+    before the first one it is not aligned.
+    """
     interval = np.diff(time_s, prepend=time_s[:1])
-    position, velocity = np.nan_to_num(ins.position_m, nan=1e6), np.nan_to_num(ins.velocity_m_s)
+    known = np.isfinite(ins.position_m[..., 0]).reshape(-1, time_s.size)
+    there = np.asarray(known.all(axis=0))
+    first, last = int(there.argmax()), time_s.size - 1 - int(there[::-1].argmax())
+    rows = np.clip(np.arange(time_s.size), first, last)
+    position, velocity = ins.position_m[..., rows, :], ins.velocity_m_s[..., rows, :]
+    turned, age = ins.attitude[..., rows, :, :], ins.age_s[rows]
     middle, speed = _middle(position), _middle(velocity)
-    attitude = _middle(ins.attitude, axis=-3)
+    attitude = _middle(turned, axis=-3)
     gained = np.diff(velocity, axis=-2, prepend=velocity[..., :1, :])
     held = np.maximum(interval, 1e-9)[:, None]
     force = gained / held + 2 * np.cross(EARTH_RATE, speed) - gravity(middle)
     transition = _transition(middle, force, attitude, interval)
-    noise = _noise(gained, ins.attitude, interval, budget)
-    aligned = np.concatenate([[False], np.diff(ins.age_s) < 0])
-    start = _start(ins, budget)
-    if interval.size > 1 and np.isfinite(ins.age_s[0]):
+    noise = _noise(gained, turned, interval, budget)
+    aligned = np.concatenate([[False], np.diff(age) < 0])
+    aligned[first] |= first > 0
+    start = _start(position[..., first, :], budget)
+    if first < last and np.isfinite(age[first]):
         # What it did before the first epoch is not known here: as from there to the next.
-        there, back = transition[..., 1, :, :], np.swapaxes(transition[..., 1, :, :], -1, -2)
-        for _ in range(round(float(ins.age_s[0] / interval[1]))):
-            start = there @ start @ back + noise[..., 1, :, :]
+        on, added = transition[..., first + 1, :, :], noise[..., first + 1, :, :]
+        for _ in range(round(float(age[first] / interval[first + 1]))):
+            start = on @ start @ np.swapaxes(on, -1, -2) + added
     return Steps(transition, noise, start, force * interval[:, None], aligned)
 
 
@@ -172,10 +182,9 @@ def _noise(gained: Floats, attitude: Floats, interval: Floats, budget: Budget) -
     return noise
 
 
-def _start(ins: States, budget: Budget) -> Floats:
+def _start(position_m: Floats, budget: Budget) -> Floats:
     """After alignment: position, velocity, level, heading, and the biases of the sensors."""
-    up = ins.position_m[..., 0, :]
-    up = up / np.linalg.norm(up, axis=-1, keepdims=True)
+    up = position_m / np.linalg.norm(position_m, axis=-1, keepdims=True)
     along = up[..., :, None] * up[..., None, :]
     start = np.zeros((*up.shape[:-1], STATES, STATES))
     start[..., POSITION, POSITION] = budget.position_m**2 * np.eye(3)

@@ -69,6 +69,7 @@ def against_ins(
     weak = np.maximum(STRONG_DBHZ - measurements.cn0_dbhz, 0.0) / 20
     there = np.isfinite(ranges) & np.isfinite(satellites).all(axis=-1) & np.isfinite(weak)
     there &= measurements.cn0_dbhz >= config.min_cn0_dbhz
+    there &= np.isfinite(prepared.ins.position_m[:, :1])
     weight = np.where(there, (config.code_sigma_m * 10 ** np.nan_to_num(weak)) ** -2.0, 0.0)
     clocks = _clocks(measurements.systems)
     place = prepared.ins.position_m
@@ -96,6 +97,7 @@ def _solve(
     normal = np.einsum("esi,es,esj->eij", design, weight, design)
     # The clock of a system that is not received is nothing.
     silent = np.diagonal(normal, axis1=1, axis2=2) == 0.0
+    silent &= np.arange(normal.shape[1]) >= 3
     normal += silent[:, :, None] * np.eye(normal.shape[1])
     scale = np.maximum(weight.max(axis=1), 1e-30)
     enough = (count >= LEAST_SATELLITES) & np.isfinite(normal).all(axis=(1, 2))

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 NAME = "rate_drag"
 INDEPENDENT = 12.0
 """Independent onsets an epoch: what the rate of false alarms is over that of one chi-square. By
-simulation of 2400 hours it is 3 at 5 alarms an hour and 9 at 0.03; see docs/validation.md."""
+simulation of 5800 hours it is 4 at 1.2 alarms an hour and 6 at 0.005; see docs/validation.md."""
 
 
 def statistics(

@@ -17,9 +17,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sdr_spoof.errors import AidingError
+from sdr_spoof.nav.geodesy import ecef_to_geodetic, enu_matrix
+
+from .stations import sigma_m, slant_ranges_m
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
+
+    from .stations import Station
 
 WORST_CONDITION = 1e4
 """Of the normalised design: beyond, the geometry is degenerate."""
@@ -58,6 +63,28 @@ class Geometry:
             ]
         )
         return cls(design, sigma, n)
+
+    @classmethod
+    def at(
+        cls,
+        place_m: NDArray[np.float64],
+        satellites_m: NDArray[np.float64],
+        sigma_gnss_m: ArrayLike,
+        stations: tuple[Station, ...] = (),
+    ) -> Geometry:
+        """From Earth-fixed places: receiver (3,), satellites (n, 3) as of a sky, stations.
+
+        Satellites with NaN are left out; DME has the noise of ICAO Annex 10.
+        """
+        latitude, longitude, _ = ecef_to_geodetic(place_m)
+        axes = enu_matrix(latitude, longitude)
+        there = satellites_m[np.isfinite(satellites_m).all(axis=1)]
+        if not stations:
+            return cls.of(_unit((there - place_m) @ axes.T), sigma_gnss_m)
+        dme = np.stack([s.position_m for s in stations])
+        noise = sigma_m(slant_ranges_m(stations, place_m))
+        to = [_unit((towards - place_m) @ axes.T) for towards in (there, dme)]
+        return cls.of(to[0], sigma_gnss_m, to[1], noise)
 
     @property
     def stations(self) -> int:
@@ -122,6 +149,10 @@ def directions(azimuth_elevation_deg: ArrayLike) -> NDArray[np.float64]:
     level = np.cos(elevation)
     up = np.sin(elevation)
     return np.stack([level * np.sin(azimuth), level * np.cos(azimuth), up], axis=-1)
+
+
+def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
 
 
 def pdop(geometry: Geometry) -> float:

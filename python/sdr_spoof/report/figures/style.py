@@ -43,6 +43,7 @@ RC: Mapping[str, object] = {
     "axes.titlesize": 10.5,
     "axes.titleweight": "bold",
     "axes.titlelocation": "left",
+    "axes.titley": 1.0,  # found by itself, each would be drawn twice
     "axes.labelsize": 9.5,
     "axes.labelcolor": INK,
     "axes.edgecolor": "#b8c0c8",

@@ -29,7 +29,8 @@ SPEED_M_S = 40.0
 STRAIGHT_S = 60.0
 """Eastwards before the first turn: the publication's aircraft does not move north at 25 to 50 s."""
 BETWEEN_S = 175.0
-"""Mean length of a straight way: with it the false alarms come out as the study has them."""
+"""Mean length of a straight way. Chosen so that the false alarms come out as another simulation,
+whose flights are not known, has them: that table is a check of its pattern, not a prediction."""
 ACROSS_M_S2 = (1.0, 3.0)
 TURN_DEG = (30.0, 150.0)
 GRAVITY_M_S2 = 9.80665

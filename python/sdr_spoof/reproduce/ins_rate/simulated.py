@@ -34,8 +34,8 @@ SKY = (
     (70, 55),
 )
 """Azimuth and elevation of ten satellites in degrees: five geostationary ones of BeiDou as 34 N,
-108 E sees them, five others high up. With 0.05 m/s a satellite they give 0.054 m/s north, what the
-printed threshold means."""
+108 E sees them, five others high up; chosen so that 0.05 m/s a satellite give 0.054 m/s north, what
+the printed threshold means."""
 RATE_NOISE_M_S = 0.05
 """Of one satellite, as the study of the publication has it."""
 CASES = ("n1", "n2", "accelerometers", "gyros 0.01")

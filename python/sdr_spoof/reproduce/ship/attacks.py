@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from sdr_spoof.aiding.simulated import Attack
 
 THREE = (NAMES[1], NAMES[4], NAMES[9])
-"""Satellites of attacks on three channels: spread over the sky."""
+"""Satellites of attacks on three channels: among the best seen of seven triples tried."""
 
 
 @dataclass(frozen=True)

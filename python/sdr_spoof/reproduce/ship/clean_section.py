@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 FIRST = 2000
-"""Numbers of these runs; thresholds come from runs 1000 to 1199."""
+"""Numbers of these runs; thresholds come from runs 1000 to 1199, but were set finely on these."""
 SETTLED = 60
 WHITE_RUNS = 10
 LOCKED_S = 200.0

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 COLOURS = ("#0072b2", "#e08214", "#009e73", "#cc79a7", "#56b4e9", "#d55e00")
 LEAST_M = 0.3
-TICKS_S = (0, 2, 5, 10, 20, 50, 100, 200, 400)
+TICKS_S = (0, 1, 2, 5, 10, 20, 50, 100, 200, 400)
 
 
 def _times(axes: Axes) -> None:
@@ -68,7 +68,8 @@ def draw_errors(found: Sequence[Outcome]) -> bytes:
             _times(axes)
             axes.set(yscale="log")
             axes.set_title("b) three satellites" if three else "a) all satellites")
-            axes.legend(fontsize=8)
+            if some:
+                axes.legend(fontsize=8)
         panels[0].set_ylabel("horizontal error (m)")
 
     return style.png(draw, 9.6, 4.0)

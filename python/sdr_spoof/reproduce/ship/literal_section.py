@@ -104,8 +104,8 @@ def section(effort: Effort, stages: Stages) -> Section:
             "hundreds of seconds after the end the position is still wrong, and most channels "
             "excluded.",
             f"11 states, divisors from {CALIBRATION_RUNS} clean runs, {count} runs. The "
-            "publication has no rule for R of position or velocity over 1 with no satellite named; all are "
-            "left out then.",
+            "publication has no rule for R of position or velocity over 1 with no satellite named; "
+            "all are left out then.",
         ),
         tables=[Table("literal", "Drags of all satellites from 600 to 1000 s", columns, rows)],
         pictures=[
@@ -146,7 +146,7 @@ def _numbers(speed: float, how: str, error: Floats) -> Sequence[Number]:
     if how == "printed" and speed == 0.5:
         value = float(np.median(error[:, :END].max(axis=1)))
         late = float(np.median(error[:, LATE]))
-        inf, least = float("inf"), published.LOCKED_M
+        inf = float("inf")
         what = "largest error up to the end of 0.5 m/s, as published"
         return [
             Number("literal_captured", what, value, *published.LITERAL_M, "m", 200.0),

@@ -161,8 +161,8 @@ mod tests {
         let mut phi = at_rest(0.7);
         let mut noise = zeros();
         for row in 0..9 {
-            for column in 0..15 {
-                phi[row][column] += 0.1 * ((5 * row + column) % 7) as f64;
+            for (column, value) in phi[row].iter_mut().take(15).enumerate() {
+                *value += 0.1 * ((5 * row + column) % 7) as f64;
             }
             noise[row][row] = 0.3;
         }

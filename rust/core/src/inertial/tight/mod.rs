@@ -4,16 +4,20 @@
 //! biases, what the corrected sensors still sense too much. All functions of one step work in
 //! memory that was allocated before.
 
+pub mod alarms;
 pub mod copies;
 pub mod covariance;
 pub mod decide;
+pub mod epoch;
 pub mod filter;
+pub mod fix;
 pub mod guard;
 pub mod measure;
 pub mod motion;
 pub mod navigator;
 pub mod output;
 pub mod power;
+pub mod recording;
 pub mod run;
 pub mod settings;
 pub mod shadow;

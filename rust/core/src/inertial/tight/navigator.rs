@@ -3,84 +3,15 @@
 use nalgebra::Vector3;
 
 use super::covariance::{Row, Square, Transition};
+use super::epoch::{Deviations, Epoch, Kind};
 use super::filter::{ErrorFilter, Innovation};
-use super::measure::{change_row, range_row, rate_row, Antenna, Sight};
+use super::measure::{change_row, range_row, rate_row, Antenna};
 use super::motion::{local_axes, Motion};
 use super::settings::Settings;
 use super::{ACCELEROMETER, ATTITUDE, CLOCK, DRIFT, GYRO, NAV, POSITION, VELOCITY};
 use crate::inertial::earth::ROTATION_RATE;
 use crate::inertial::{Increment, NavState, StateError, Strapdown};
 use crate::nav_math::geodesy::WGS84;
-
-/// What one epoch brings, a column a satellite; NaN where there is none.
-#[derive(Debug, Clone, Copy)]
-pub struct Epoch<'a> {
-    /// System time, s.
-    pub time: f64,
-    /// Earth-fixed places of the satellites, m.
-    pub place: &'a [[f64; 3]],
-    /// m/s.
-    pub velocity: &'a [[f64; 3]],
-    /// m.
-    pub range: &'a [f64],
-    /// m/s.
-    pub rate: &'a [f64],
-    /// Since the epoch before, m.
-    pub change: &'a [f64],
-    /// dB-Hz.
-    pub cn0: &'a [f64],
-    /// Whether the receiver calls it spoofed.
-    pub spoofed: &'a [bool],
-    /// Number of its system.
-    pub system: &'a [usize],
-}
-
-/// Predicted minus measured of all satellites before any of them was used.
-#[derive(Debug, Clone)]
-pub struct Deviations {
-    /// As seen from the antenna.
-    pub sight: Vec<Sight>,
-    /// m.
-    pub range: Vec<f64>,
-    /// m/s.
-    pub rate: Vec<f64>,
-    /// m.
-    pub change: Vec<f64>,
-    /// Factor of the variances.
-    pub scale: Vec<f64>,
-    before: Vec<Vector3<f64>>,
-}
-
-impl Deviations {
-    /// For so many satellites.
-    pub fn new(satellites: usize) -> Self {
-        let sight = Sight {
-            range: f64::NAN,
-            rate: f64::NAN,
-            towards: Vector3::zeros(),
-            turning: Vector3::zeros(),
-        };
-        Deviations {
-            sight: vec![sight; satellites],
-            range: vec![f64::NAN; satellites],
-            rate: vec![f64::NAN; satellites],
-            change: vec![f64::NAN; satellites],
-            scale: vec![1.0; satellites],
-            before: vec![Vector3::zeros(); satellites],
-        }
-    }
-}
-
-/// Which kind of measurement.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// Range rate.
-    Rate,
-    /// Change by carrier phase.
-    Change,
-    /// Pseudorange.
-    Range,
-}
 
 /// Strapdown navigator, sensor biases, clock and their filter.
 #[derive(Debug, Clone)]

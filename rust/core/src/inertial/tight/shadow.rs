@@ -5,8 +5,9 @@
 //! that alarmed go on growing in it, and it parts from the copy; after a false alarm they do not.
 
 use super::covariance::{Square, Transition};
+use super::epoch::{Deviations, Epoch, Kind};
 use super::filter::ErrorFilter;
-use super::navigator::{Deviations, Epoch, Kind, Navigator};
+use super::navigator::Navigator;
 use super::windows::{deviate, Windows};
 use super::{NAV, POSITION, VELOCITY};
 

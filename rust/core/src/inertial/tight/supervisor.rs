@@ -1,12 +1,15 @@
 //! What happens at an epoch: measurements are used or left out, tests are formed, the guard acts.
 
-use nalgebra::{Matrix4, Vector3, Vector4};
+use nalgebra::Vector3;
 
+use super::alarms::{limit, CLOCKS, POWER, SEPARATION, TESTS, WINDOWS};
 use super::copies::{Copies, SPANS};
 use super::covariance::Transition;
 use super::decide::{Jury, Means};
+use super::epoch::{Deviations, Epoch, Kind};
+use super::fix::solve;
 use super::guard::{Action, Alarm, Evidence, Guard, Rules, State};
-use super::navigator::{Deviations, Epoch, Kind, Navigator};
+use super::navigator::Navigator;
 use super::output::{Event, Output, Usage};
 use super::power::Power;
 use super::settings::{Mode, Settings};
@@ -15,19 +18,6 @@ use super::statistics::Panel;
 use super::step::Steps;
 use super::windows::Windows;
 
-/// Windows of the innovations, s: of rates and changes, and of codes.
-pub const WINDOWS: [&[f64]; 3] = [
-    &[1.0, 3.0, 7.0, 14.0, 25.0, 50.0, 100.0],
-    &[1.0, 3.0, 7.0, 14.0, 25.0, 50.0, 100.0],
-    &[1.0, 10.0, 30.0, 100.0],
-];
-/// All tests: the windows, separation from copies of each span, of the clock likewise, power.
-pub const TESTS: usize = SEPARATION + 2 * SPANS.len() + 1;
-const CHANGES: usize = 7;
-const CODES: usize = 14;
-const SEPARATION: usize = 18;
-const CLOCKS: usize = SEPARATION + SPANS.len();
-const POWER: usize = TESTS - 1;
 /// One innovation counts no more than this, so that one glitch is no attack.
 const CLIP: f64 = 5.0;
 /// Means that decide who is wrong, s.
@@ -36,8 +26,6 @@ const MEANS: f64 = 10.0;
 const SUSPICION: f64 = 0.75;
 /// An alarm is confirmed so far beyond its threshold.
 const CERTAIN: f64 = 0.6;
-/// Sum of the squared dilutions beyond which there is no fix.
-const FAIR: f64 = 1e3;
 /// A single satellite agrees below so many standard deviations.
 const AGREES: f64 = 2.8;
 
@@ -236,24 +224,13 @@ impl Supervisor {
         self.deviates[POWER] = self.power.push(&self.scratch[0], self.interval);
     }
 
-    /// Threshold of a test, and how old a copy it takes to get away from what it saw.
-    fn limit(&self, test: usize) -> (f64, f64) {
-        let limits = &self.settings.testing;
-        let t = &limits.thresholds;
-        let window = |kind: usize, k: usize| (t[kind], 2.0 * WINDOWS[kind][k].max(30.0));
-        match test {
-            0..CHANGES => window(0, test),
-            CHANGES..CODES => window(1, test - CHANGES),
-            CODES..SEPARATION => window(2, test - CODES),
-            SEPARATION..CLOCKS => (t[3], 2.0 * SPANS[test - SEPARATION].max(30.0)),
-            CLOCKS..POWER => (t[4], 2.0 * SPANS[test - CLOCKS].max(30.0)),
-            _ => (limits.power_rise, 60.0),
-        }
+    fn limit_of(&self, test: usize) -> (f64, f64) {
+        limit(test, &self.settings.testing)
     }
 
     /// The test furthest over its threshold, as a share of it.
     fn worst(&self) -> (usize, f64) {
-        let shares = (0..TESTS).map(|k| (k, self.deviates[k] / self.limit(k).0));
+        let shares = (0..TESTS).map(|k| (k, self.deviates[k] / self.limit_of(k).0));
         shares.fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a })
     }
 
@@ -262,7 +239,7 @@ impl Supervisor {
         let usable = !self.guard.blind();
         let alarm = (usable && share > 1.0).then(|| Alarm {
             test,
-            age: self.limit(test).1,
+            age: self.limit_of(test).1,
         });
         let evidence = self.evidence(nav, epoch, alarm);
         let action = self.guard.step(&evidence);
@@ -357,8 +334,8 @@ impl Supervisor {
 
     /// Whether the alarm needs no confirmation.
     fn certain(&self) -> bool {
-        let windows = (0..SEPARATION).any(|k| self.deviates[k] > self.limit(k).0 + CERTAIN);
-        windows || self.deviates[POWER] > self.limit(POWER).0
+        let windows = (0..SEPARATION).any(|k| self.deviates[k] > self.limit_of(k).0 + CERTAIN);
+        windows || self.deviates[POWER] > self.limit_of(POWER).0
     }
 
     fn log(&mut self, time: f64, alarm: Option<Alarm>, back: f64, fix: [[f64; 3]; 2]) {
@@ -397,28 +374,10 @@ impl Supervisor {
     /// Least-squares position and clock, velocity and drift of all satellites minus the INS, from
     /// GNSS alone, and the sums of their squared dilutions.
     fn fix(&self, epoch: &Epoch<'_>) -> ([[f64; 4]; 2], [f64; 2]) {
-        let (place, wide) = self.solve(&self.dev.range, epoch);
-        let (speed, broad) = self.solve(&self.dev.rate, epoch);
+        let flagged = |k: usize| self.flagged(epoch, k);
+        let (place, wide) = solve(&self.dev.range, &self.dev.sight, flagged);
+        let (speed, broad) = solve(&self.dev.rate, &self.dev.sight, flagged);
         ([place, speed], [wide, broad])
-    }
-
-    fn solve(&self, values: &[f64], epoch: &Epoch<'_>) -> ([f64; 4], f64) {
-        let (mut normal, mut sums) = (Matrix4::zeros(), Vector4::zeros());
-        for (k, value) in values.iter().enumerate() {
-            // Offsets of other systems are known to a filter that uses them only.
-            if value.is_finite() && !self.flagged(epoch, k) {
-                let row = (-self.dev.sight[k].towards).push(1.0);
-                normal += row * row.transpose();
-                sums += row * *value;
-            }
-        }
-        match normal.try_inverse() {
-            Some(inverse) if inverse.trace() < FAIR && inverse.trace() > 0.0 => {
-                let x = -(inverse * sums);
-                (x.into(), inverse.trace())
-            }
-            _ => ([f64::NAN; 4], f64::NAN),
-        }
     }
 }
 
