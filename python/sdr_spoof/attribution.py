@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sdr_spoof import detectors
-from sdr_spoof.detectors import DetectionConfig, delta_metric, noise_floor, power, second_peak
+from sdr_spoof.detectors import DetectionConfig, delta_metric, power, second_peak
 from sdr_spoof.records import Alarm
 from sdr_spoof.signals import signal_spec
 
@@ -84,11 +84,11 @@ def _named(kind: str, signals: Sequence[str], alarms: Sequence[Alarm]) -> set[st
     of_kind = [
         a
         for a in alarms
-        # The floor is one of all satellites, a second peak is of two transmitters: neither says
+        # What all satellites share, and a second peak, which is of two transmitters, do not say
         # which band was captured.
         if a.band in signals
         and kind_of(a) == kind
-        and a.quantity != noise_floor.QUANTITY
+        and detectors.common_cause(a) is None
         and a.detector != second_peak.NAME
     ]
     own = {a.band for a in of_kind if a.detector != SHARED_LOOP}

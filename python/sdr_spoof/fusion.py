@@ -30,7 +30,7 @@ import numpy as np
 
 from sdr_spoof import detectors, reflection
 from sdr_spoof.attribution import Attribution, attribute
-from sdr_spoof.detectors import DetectionConfig, noise_floor, second_peak
+from sdr_spoof.detectors import DetectionConfig, second_peak
 from sdr_spoof.records import Alarm, SatelliteVerdict, State, TrackLog
 from sdr_spoof.satellites import combos_of, tracks_of
 from sdr_spoof.signals import signal_spec
@@ -215,9 +215,9 @@ def alarm_reason(alarm: Alarm) -> str:
     of = f" of {composite(alarm.band)}" if alarm.band else ""
     if alarm.detector == second_peak.NAME:
         return f"{second_peak.CAUSE}; found by the search at {alarm.alarm_s:.2f} s: {size}"
-    if alarm.quantity == noise_floor.QUANTITY:
+    if cause := detectors.common_cause(alarm):
         what = f"the noise floor{of} rose for all satellites alike at {alarm.onset_s:.2f} s"
-        return f"{what}, by {size}: {noise_floor.CAUSE}"
+        return f"{what}, by {size}: {cause}"
     quantity = f" ({alarm.quantity})" if alarm.quantity else ""
     return f"{detector.title}{quantity}{of} changed at {alarm.onset_s:.2f} s: {size}"
 

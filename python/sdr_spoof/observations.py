@@ -69,6 +69,9 @@ class Observations:
     """Whether the satellite is spoofed at that epoch, by the detectors."""
     clock: ReceiverClock | None = None
     """What receiver time went by."""
+    unsettled_m: NDArray[np.float64] | None = None
+    """Standard deviation of what each pseudorange may be off beyond the noise of a settled code
+    loop: after a lock, and where a jump shows that it follows. None where nothing is known."""
     notes: tuple[str, ...] = ()
     """What could not be observed, and why, a sentence each."""
 

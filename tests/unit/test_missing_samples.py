@@ -17,14 +17,18 @@ from sdr_spoof.gaps import CountBreak, gaps_of, uncounted
 from sdr_spoof.nav.geodesy import enu, geodetic_to_ecef
 from sdr_spoof.nav.missing import outages
 from sdr_spoof.nav.time import GnssTime
+from sdr_spoof.observables.runs import runs_of
 from sdr_spoof.positioning import locate
 from sdr_spoof.records import State, TrackLog
 from sdr_spoof.scenario import load_scenario
+from sdr_spoof.signals import LIGHT_M_S
 from sdr_spoof.sinks.hdf5 import Result, read_result, write_result
 from sdr_spoof.sources import RecordingFormat
 
 DURATION_S = 33.0
 FLAGS = PLAIN | {"navigation.files": str(BROADCAST), "observables.rate_hz": "10"}
+SIGMAS = 5.0
+"""No sure place is farther off, in standard deviations of its own."""
 Gaps = tuple[tuple[float, float], ...]
 
 
@@ -44,7 +48,8 @@ def sky(tmp_path_factory):
 
 
 def _fixes(scenario, gaps: Gaps):
-    """Times of fixes by the samples, errors of time and place, and whether each is called sure."""
+    """Times of fixes by the samples, errors of time and place, whether each is called sure, and the
+    error of the place over the standard deviation that the fix states."""
     log = simulate(scenario, gaps=gaps)
     found = locate(log, load_config(flags=FLAGS))
     fixes, rows = found.fixes, np.flatnonzero(found.fixes.fixed)
@@ -54,7 +59,8 @@ def _fixes(scenario, gaps: Gaps):
     late = np.array([found.observations.time(i) + -fixes.clock_s[i] - start for i in rows])
     away = np.linalg.norm(enu(fixes.position_m[rows], geodetic_to_ecef(PLACE)), axis=1)
     sure = fixes.status[rows] == Status.FIX
-    return log, found, sampled_s, late - (sampled_s + missing_s), away, sure
+    stated = np.sqrt(np.trace(fixes.covariance_m2[rows], axis1=1, axis2=2))
+    return log, found, sampled_s, late - (sampled_s + missing_s), away, sure, away / stated
 
 
 @pytest.mark.parametrize("missing_s", [0.001, 0.003, 0.0073, 0.020, 1.0])
@@ -62,8 +68,9 @@ def _fixes(scenario, gaps: Gaps):
 def test_no_sure_fix_with_a_wrong_time(sky, at_s, missing_s):
     """At the start of a subframe, within one, and too late for another one."""
     gaps = ((at_s, missing_s),)
-    _, found, sampled_s, late_s, away_m, sure = _fixes(sky(), gaps)
+    _, found, sampled_s, late_s, away_m, sure, sigmas = _fixes(sky(), gaps)
     assert np.abs(late_s[sure]).max() < 1e-6
+    assert sigmas[sure].max() < SIGMAS
     assert np.median(away_m[sure]) < 3.0
     assert (sampled_s < at_s - 1.0).any()
     assert (sampled_s > at_s + 8.0).any() == (at_s < 31.0)
@@ -80,8 +87,9 @@ def test_no_sure_fix_with_a_wrong_time(sky, at_s, missing_s):
     ],
 )
 def test_two_gaps(sky, gaps: Gaps):
-    _, _, sampled_s, late_s, _, sure = _fixes(sky(), gaps)
+    _, _, sampled_s, late_s, _, sure, sigmas = _fixes(sky(), gaps)
     assert np.abs(late_s[sure]).max() < 1e-6
+    assert sigmas[sure].max() < SIGMAS
     assert (sampled_s[sure] > gaps[-1][0] + 3.0).any()
 
 
@@ -89,9 +97,42 @@ def test_two_gaps(sky, gaps: Gaps):
 def test_gps(sky, missing_s):
     """Plain codes: bit edges show the one, parity of words the other."""
     scenario = sky('"L1CA"', '"G"')
-    _, _, sampled_s, late_s, _, sure = _fixes(scenario, ((22.2, missing_s),))
+    _, _, sampled_s, late_s, _, sure, sigmas = _fixes(scenario, ((22.2, missing_s),))
     assert np.abs(late_s[sure]).max() < 1e-6
+    assert sigmas[sure].max() < SIGMAS
     assert (sampled_s < 22.2).any() and (sampled_s > 26.0).any()
+
+
+def test_a_loop_that_holds_on_beside_its_signal(sky):
+    """C10 is 0.9 chip off after the gap, its phase held by what power there is; the four satellites
+    that do not move held too, and a fix of these five would be 449 m off."""
+    scenario = sky()
+    plan = scenario.recording.model_copy(update={"seed": 102})
+    scenario = scenario.model_copy(update={"recording": plan})
+    log, _, sampled_s, _, _, sure, sigmas = _fixes(scenario, ((7.5, 1.0),))
+    (held,) = (t for t in log.signals if t.prn == 10)
+    assert (held.state[held.time_s > 7.4] >= State.SYNCED).all()
+    assert (sampled_s[sure] < 8.0).any()
+    assert sigmas[sure].max() < SIGMAS
+
+
+def test_the_stated_noise_of_a_code_loop_that_settles(sky):
+    """By the discriminator, whose mean over a tenth of a second has 1 m of noise."""
+    short = sky().recording.model_copy(update={"duration_s": 3.0})
+    log = simulate(sky().model_copy(update={"recording": short}))
+    (runs,) = zip(*(runs_of(t) for t in log.signals), strict=True)
+    for from_s, until_s in ((0.1, 0.2), (0.2, 0.3), (0.3, 0.4), (1.5, 1.6)):
+        off_m, stated_m = [], []
+        for track, run in zip(log.signals, runs, strict=True):
+            held_s = run.time_s - track.time_s[0]
+            rows = (held_s >= from_s) & (held_s < until_s)
+            if rows.sum() >= 5:
+                off_m.append(LIGHT_M_S * run.code_error_s[rows].mean())
+                stated_m.append(np.hypot(LIGHT_M_S * run.unsettled_s[rows].mean(), 1.0))
+        assert len(off_m) >= 5
+        # Four standard errors of a mean square.
+        square = np.mean((np.array(off_m) / stated_m) ** 2)
+        assert square < 1.0 + 4.0 * np.sqrt(2.0 / len(off_m))
 
 
 def test_secondary_code_is_found_again(sky):

@@ -62,8 +62,10 @@ def _best(observations: Observations, own: list[int], count: NDArray[np.intp]) -
 
 def only(observations: Observations, columns: list[int]) -> Observations:
     """Some of the signals."""
+    unsettled_m = observations.unsettled_m
     return dataclasses.replace(
         observations,
         signals=tuple(observations.signals[k] for k in columns),
+        unsettled_m=None if unsettled_m is None else unsettled_m[:, columns],
         **{name: getattr(observations, name)[:, columns] for name in _BY_EPOCH},
     )

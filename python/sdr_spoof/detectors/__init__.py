@@ -6,14 +6,15 @@ for the rules of :mod:`sdr_spoof.decision` to say.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Literal
 
 from sdr_spoof.detectors import (
     code_difference,
     code_minus_carrier,
     delta_metric,
+    noise_floor,
     phase_difference_glr,
     phase_difference_rate,
     power,
@@ -24,9 +25,9 @@ from sdr_spoof.detectors import (
 from sdr_spoof.detectors.config import DetectionConfig
 from sdr_spoof.detectors.series import StatisticSeries
 from sdr_spoof.errors import ConfigError
-from sdr_spoof.records import TrackLog
+from sdr_spoof.records import Alarm, TrackLog
 
-__all__ = ["DETECTORS", "DetectionConfig", "Detector", "StatisticSeries", "find"]
+__all__ = ["DETECTORS", "DetectionConfig", "Detector", "StatisticSeries", "common_cause", "find"]
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,9 @@ class Detector:
     evidence: Literal["consistency", "quality"] = "consistency"
     """Of 'consistency' between what must move together: an alarm means spoofing. Of signal
     'quality', which multipath and interference change too: an alarm is a suspicion."""
+    common: Mapping[str, str] = field(default_factory=dict)
+    """Quantities that are one of all satellites of a band, and what may be behind a rise, in words:
+    they say nothing of which band of a satellite was captured."""
 
 
 DETECTORS: dict[str, Detector] = {
@@ -114,6 +118,7 @@ DETECTORS: dict[str, Detector] = {
             "tell interference, multipath or a change of gain from a spoofer",
             power.statistics,
             "quality",
+            {noise_floor.QUANTITY: noise_floor.CAUSE},
         ),
         Detector(
             power_difference.NAME,
@@ -146,3 +151,8 @@ def find(name: str) -> Detector:
         known = ", ".join(DETECTORS)
         raise ConfigError(f"unknown detector '{name}'; known detectors: {known}")
     return DETECTORS[name]
+
+
+def common_cause(of: Alarm | StatisticSeries) -> str | None:
+    """What may be behind a quantity that all satellites of a band share; None for any other."""
+    return find(of.detector).common.get(of.quantity)

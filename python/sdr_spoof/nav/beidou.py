@@ -14,7 +14,7 @@ import numpy as np
 from . import bch15, keplerian
 from .beidou_framing import NUMBER, PREAMBLE, SOW, BeidouFraming
 from .bits import PAGE_BITS
-from .broadcast import Contents
+from .broadcast import Contents, Klobuchar
 from .subframes import SubframeMessage
 from .sync import preamble_errors
 
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from .bits import Layout
+    from .records import Frame
     from .sync import Found
     from .time import GnssTime
 
@@ -94,6 +96,12 @@ def together(times: Sequence[GnssTime]) -> bool:
     """Whether subframes of these times are of one set: new ones begin with the hour."""
     spread = max(times) - min(times)
     return spread < 60.0 and len({t.week_tow("C")[1] // 3600 for t in times}) == 1
+
+
+def ionosphere(layout: Layout, frame: Frame) -> Contents:
+    """Klobuchar's model where a frame has it."""
+    model = Klobuchar.of(layout.read(frame.bits).values(), "C", frame.transmitted)
+    return Contents(ionosphere=(model,))
 
 
 def legacy_ephemeris(

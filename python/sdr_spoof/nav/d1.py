@@ -9,16 +9,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import beidou_pages, keplerian
-from .beidou import SIGNAL, BeidouMessage, legacy_ephemeris, together
+from .beidou import SIGNAL, BeidouMessage, ionosphere, legacy_ephemeris, together
 from .beidou_pages import PAGE, Slot
 from .beidou_satellites import NOT_GEO
 from .bits import Field, layout
-from .broadcast import Contents, Klobuchar
+from .broadcast import Contents
 from .ephemeris import D1
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     import numpy as np
     from numpy.typing import NDArray
 
@@ -147,25 +145,16 @@ class D1Message(BeidouMessage):
             now = self.start(week, index)
             beidou_pages.fill(bits, slot(number, page), group, content, now)
 
-    def read(self, frames: Sequence[Frame]) -> Contents:
-        """Put together what the frames of one satellite say."""
-        contents = Contents()
-        latest: dict[int, Frame] = {}
-        for frame in frames:
-            if not frame.ok:
-                continue
-            if frame.number >= PAGED:
-                if 1 <= frame.page <= PAGES:
-                    place = slot(frame.number, frame.page)
-                    contents += beidou_pages.read(frame.bits, place, D1, frame.transmitted)
-                continue
-            latest[frame.number] = frame
-            if frame.number == 1:
-                values = KLOBUCHAR.read(frame.bits).values()
-                model = Klobuchar.of(values, "C", frame.transmitted)
-                contents += Contents(ionosphere=(model,))
-            contents += self._orbit(latest)
-        return contents.distinct()
+    def said(self, frame: Frame, latest: dict[int, Frame]) -> Contents:
+        """Subframes 1 to 3 are an ephemeris, 1 has the ionosphere too, the others have pages."""
+        if frame.number >= PAGED:
+            if not 1 <= frame.page <= PAGES:
+                return Contents()
+            place = slot(frame.number, frame.page)
+            return beidou_pages.read(frame.bits, place, D1, frame.transmitted)
+        latest[frame.number] = frame
+        orbit = self._orbit(latest)
+        return ionosphere(KLOBUCHAR, frame) + orbit if frame.number == 1 else orbit
 
     def _orbit(self, latest: dict[int, Frame]) -> Contents:
         """Ephemeris of the last subframes 1 to 3, if they are of one set."""

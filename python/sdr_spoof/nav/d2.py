@@ -12,16 +12,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import beidou_pages, keplerian
-from .beidou import SIGNAL, BeidouMessage, legacy_ephemeris, together
+from .beidou import SIGNAL, BeidouMessage, ionosphere, legacy_ephemeris, together
 from .beidou_pages import PAGE, Slot
 from .beidou_satellites import GEO
 from .bits import PAGE_BITS, Field, layout
-from .broadcast import Contents, Klobuchar
+from .broadcast import Contents
 from .ephemeris import D2
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from .broadcast import Broadcast
@@ -159,23 +157,16 @@ class D2Message(BeidouMessage):
         if page == IONOSPHERE_PAGE and content.klobuchar is not None:
             KLOBUCHAR.write(bits, content.klobuchar.fields())
 
-    def read(self, frames: Sequence[Frame]) -> Contents:
-        """Put together what the frames of one satellite say."""
-        contents = Contents()
-        latest: dict[int, Frame] = {}
-        for frame in frames:
-            if not frame.ok:
-                continue
-            if frame.number == 5:
-                contents += beidou_pages.read(frame.bits, slot(frame.page), D2, frame.transmitted)
-            elif frame.number == 1 and frame.page == IONOSPHERE_PAGE:
-                values = KLOBUCHAR.read(frame.bits).values()
-                model = Klobuchar.of(values, "C", frame.transmitted)
-                contents += Contents(ionosphere=(model,))
-            elif frame.number == 1 and 1 <= frame.page <= BASIC_PAGES:
-                latest[frame.page] = frame
-                contents += self._orbit(latest)
-        return contents.distinct()
+    def said(self, frame: Frame, latest: dict[int, Frame]) -> Contents:
+        """Pages of subframe 1 are an ephemeris and the ionosphere, subframe 5 has other pages."""
+        if frame.number == 5:
+            return beidou_pages.read(frame.bits, slot(frame.page), D2, frame.transmitted)
+        if frame.number != 1 or not 1 <= frame.page <= BASIC_PAGES:
+            return Contents()
+        if frame.page == IONOSPHERE_PAGE:
+            return ionosphere(KLOBUCHAR, frame)
+        latest[frame.page] = frame
+        return self._orbit(latest)
 
     @staticmethod
     def _orbit(latest: dict[int, Frame]) -> Contents:

@@ -18,8 +18,6 @@ from .subframes import SubframeMessage
 from .sync import word_chances
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from .broadcast import Broadcast
@@ -194,21 +192,13 @@ class LnavMessage(SubframeMessage):
         now = self.start(week, index)
         lnav_pages.fill(bits, lnav_pages.slot(number, page), content, now)
 
-    def read(self, frames: Sequence[Frame]) -> Contents:
-        """Put together what the frames of one satellite say."""
-        contents = Contents()
-        latest: dict[int, Frame] = {}
-        for frame in frames:
-            if not frame.ok:
-                continue
-            if frame.number >= 4:
-                contents += lnav_pages.read(frame.bits, frame.transmitted)
-                continue
-            latest[frame.number] = frame
-            if len(latest) == 3:
-                orbit = _orbit(latest)
-                contents += Contents(ephemerides=() if orbit is None else (orbit,))
-        return contents.distinct()
+    def said(self, frame: Frame, latest: dict[int, Frame]) -> Contents:
+        """Subframes 1 to 3 are an ephemeris, the others have pages."""
+        if frame.number >= 4:
+            return lnav_pages.read(frame.bits, frame.transmitted)
+        latest[frame.number] = frame
+        orbit = _orbit(latest) if len(latest) == 3 else None
+        return Contents(ephemerides=() if orbit is None else (orbit,))
 
 
 def _orbit(latest: dict[int, Frame]) -> Ephemeris | None:

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..errors import NavigationError
 from .bits import PAGE_BITS
+from .broadcast import Contents
 from .records import Frame
 from .soft import amplitude_and_noise, weighted
 from .steps import Reach, reach, steps
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .bits import Field
-    from .broadcast import Broadcast, Contents
+    from .broadcast import Broadcast
     from .records import SymbolRun
     from .sync import Found, Framing
 
@@ -89,8 +90,18 @@ class SubframeMessage(ABC):
         """Which words (F, 10) of subframes (F, 300) of bits as received, of either sign, fail."""
 
     @abstractmethod
+    def said(self, frame: Frame, latest: dict[int, Frame]) -> Contents:
+        """What a frame says, with the latest ones that the ephemeris is put together from: it goes
+        among them, by its number or its page, if it is one of them."""
+
     def read(self, frames: Sequence[Frame]) -> Contents:
         """Put together what the frames of one satellite say, in order of time."""
+        contents = Contents()
+        latest: dict[int, Frame] = {}
+        for frame in frames:
+            if frame.ok:
+                contents += self.said(frame, latest)
+        return contents.distinct()
 
     def start(self, week: int, index: int) -> GnssTime:
         """When a subframe begins, exactly."""

@@ -28,6 +28,7 @@ class Column:
     carrier_phase_cycles: NDArray[np.float64]
     doppler_hz: NDArray[np.float64]
     cn0_dbhz: NDArray[np.float64]
+    unsettled_m: NDArray[np.float64]
     lock_lost: NDArray[np.bool_]
     half_cycle: NDArray[np.bool_]
     spoofed: NDArray[np.bool_]
@@ -35,7 +36,7 @@ class Column:
     @classmethod
     def empty(cls, epochs: int) -> Self:
         """Nothing yet."""
-        numbers = [np.full(epochs, np.nan) for _ in range(4)]
+        numbers = [np.full(epochs, np.nan) for _ in range(5)]
         return cls(*numbers, *(np.zeros(epochs, np.bool_) for _ in range(3)))
 
     def put(self, at: slice, other: Column) -> None:
@@ -87,6 +88,7 @@ def _read(
         carrier_phase_cycles=np.full(samples.size, np.nan),
         doppler_hz=np.full(samples.size, np.nan),
         cn0_dbhz=np.interp(samples, run.time_s, run.cn0_dbhz),
+        unsettled_m=LIGHT_M_S * np.interp(samples, run.time_s, run.unsettled_s),
         lock_lost=np.zeros(samples.size, np.bool_),
         half_cycle=np.zeros(samples.size, np.bool_),
         spoofed=at.some(run.captured),

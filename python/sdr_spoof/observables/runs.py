@@ -32,6 +32,20 @@ SETTLED_S = 0.1
 """The discriminator's mean over this time must lie within so many standard deviations of zero.
 The code loop of 1 Hz needs 0.25 s: where samples are missing, or before it has settled, the mean
 stands out, and the replica is not where the signal is."""
+SEARCHED_CHIPS, LOOP_S = 0.08, 0.25
+"""Where a code loop begins, rms, after a search that may miss by a quarter of a chip and what
+pull-in makes good of it; and its time constant, 1 Hz being its noise bandwidth."""
+ASTRAY_SIGMAS = 4.0
+"""A mean of the discriminator over the loop's time constant that is larger says how far it is off.
+"""
+LEAVING_S = 0.5
+"""A loss of lock is declared 0.24 to 0.51 s after the signal has gone; until then the loops follow
+noise."""
+CN0_MEMORY_S, FADED = 0.5, 0.1
+"""The tracker's running mean of C/N0 (``track/sideband.rs``); prompts with less than such a part of
+its power are beside the signal: at the foot of its peak both loops may hold on for a second."""
+HELD_S = 1.0
+"""By then that mean is one over its whole memory."""
 SLIP_SIGMAS = 6.0
 SLIP_CYCLES = (0.1, 0.2)
 """A phase error beyond six standard deviations, but no less than the first and no more than the
@@ -54,6 +68,8 @@ class Run:
     """Whether the phase may have slipped since the row before."""
     settled: NDArray[np.bool_]
     """Whether the code replica is on the signal."""
+    unsettled_s: NDArray[np.float64]
+    """Standard deviation of what ``code_s`` may be off, beyond the noise of a settled loop."""
     captured: NDArray[np.bool_]
     integration_s: float
 
@@ -98,19 +114,39 @@ def _rows(track: SignalTrack, uncounted: Sequence[Span]) -> Run | None:
     time_s = track.time_s[kept]
     error_s = track.code_error_chips[kept] / spec.chip_rate_hz
     phase_cycles = track.carrier_phase_cycles[kept]
-    nothing = np.zeros(kept.size, np.bool_)
+    held_s, left_s = (side_s[kept] for side_s in _lock(track))
+    cn0_dbhz = track.cn0_dbhz[kept]
+    faded = _faded(cn0_dbhz, track.integration_s[kept]) & (held_s > HELD_S)
     return Run(
         spec=spec,
         time_s=time_s,
         code_s=track.code_phase_chips[kept] / spec.chip_rate_hz - error_s - time_s,
         code_error_s=error_s,
         phase_cycles=phase_cycles,
-        cn0_dbhz=track.cn0_dbhz[kept],
+        cn0_dbhz=cn0_dbhz,
         slipped=_slips(track.phase_error_cycles[kept], phase_cycles, _sigma_cycles(track, kept)),
-        settled=~nothing,
+        settled=(left_s > LEAVING_S) & ~faded,
+        unsettled_s=SEARCHED_CHIPS / spec.chip_rate_hz * np.exp(-held_s / LOOP_S),
         captured=state[kept] == State.CAPTURED,
         integration_s=float(np.median(track.integration_s[kept])),
     )
+
+
+def _lock(track: SignalTrack) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """For how long each row's lock has lasted, and for how long it will; infinite at the end."""
+    lost = np.flatnonzero(track.state == State.LOST)
+    before = np.searchsorted(lost, np.arange(track.epochs))
+    begin = np.concatenate([[0], np.minimum(lost + 1, track.epochs - 1)])
+    end_s = np.append(track.time_s[lost], np.inf)
+    return track.time_s - track.time_s[begin][before], end_s[before] - track.time_s
+
+
+def _faded(cn0_dbhz: NDArray[np.float64], integration_s: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Rows whose own power, which the running mean of C/N0 tells, is a small part of it."""
+    mean = 10.0 ** (0.1 * cn0_dbhz)
+    own = mean + np.diff(mean, prepend=mean[:1]) * CN0_MEMORY_S / integration_s
+    count = max(1, round(SETTLED_S / float(np.median(integration_s))))
+    return np.asarray(scipy.ndimage.uniform_filter1d(own, count, mode="nearest") < FADED * mean)
 
 
 def _slips(
@@ -151,10 +187,19 @@ def _breaks(run: Run) -> NDArray[np.bool_]:
 
 
 def _judged(run: Run) -> Run:
-    """Say where the code loop has settled."""
-    count = max(1, round(SETTLED_S / run.integration_s))
-    mean = scipy.ndimage.uniform_filter1d(run.code_error_s, count, mode="nearest")
-    # The quartiles do not see a transient that is short against the run.
-    spread = np.subtract(*np.percentile(run.code_error_s, [75, 25])) / 1.349
-    limit = UNSETTLED_SIGMAS * spread / np.sqrt(min(count, run.time_s.size))
-    return replace(run, settled=np.abs(mean) <= limit)
+    """Say where else the code loop has not settled, and by how much it is off."""
+    mean_s, sigma_s = _discriminator(run, SETTLED_S)
+    settled = run.settled & (np.abs(mean_s) <= UNSETTLED_SIGMAS * sigma_s)
+    mean_s, sigma_s = _discriminator(run, LOOP_S)
+    astray_s = np.where(np.abs(mean_s) > ASTRAY_SIGMAS * sigma_s, mean_s, 0.0)
+    return replace(run, settled=settled, unsettled_s=np.hypot(run.unsettled_s, astray_s))
+
+
+def _discriminator(run: Run, window_s: float) -> tuple[NDArray[np.float64], float]:
+    """Mean of the discriminator over a window, and its standard deviation in a settled loop."""
+    count = max(1, round(window_s / run.integration_s))
+    mean_s = scipy.ndimage.uniform_filter1d(run.code_error_s, count, mode="nearest")
+    # Steps from row to row, and their quartiles, do not see a transient.
+    steps_s = np.diff(run.code_error_s)
+    spread_s = float(np.subtract(*np.percentile(steps_s, [75, 25]))) / 1.349 / np.sqrt(2.0)
+    return mean_s, spread_s / np.sqrt(min(count, run.time_s.size))

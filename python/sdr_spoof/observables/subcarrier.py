@@ -109,6 +109,7 @@ def _resolved(
         cn0_dbhz=cn0,
         slipped=nothing,
         settled=astray <= ASTRAY * step_s,
+        unsettled_s=np.zeros(rows.epochs),
         captured=rows.state == State.CAPTURED,
         integration_s=upper.integration_s,
     )

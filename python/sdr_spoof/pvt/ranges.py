@@ -165,6 +165,8 @@ def variance_m2(observations: Observations, config: PvtConfig) -> NDArray[np.flo
     variance = sigma**2 * _by_cn0(observations, config)
     if config.smoothing_s:
         variance /= averaged(observations, config.smoothing_s)
+    if observations.unsettled_m is not None:
+        variance += np.nan_to_num(observations.unsettled_m) ** 2
     return np.ascontiguousarray(variance)
 
 

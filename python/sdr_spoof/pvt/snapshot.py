@@ -23,7 +23,7 @@ from sdr_spoof.signals import LIGHT_M_S, signal_spec
 from . import models, ranges
 from .config import PvtConfig
 from .ephemerides import choose
-from .solution import TRAVEL_S, causes, layout_of
+from .solution import TRAVEL_S, causes, fixes_of, layout_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -181,18 +181,8 @@ def _fixes(
         cause[0, [k for k in chosen if layout.columns[k][0] == found[7]]] = Cause.RESIDUAL
         columns |= _found(found, chosen, columns)
         angles = _directions(choice, observations.reference + found[2], found[1])
-    return Fixes(
-        reference=observations.reference,
-        time_s=observations.time_s,
-        signals=observations.signals,
-        systems=layout.systems,
-        biases=layout.names,
-        cause=cause,
-        azimuth_deg=angles[..., 0],
-        elevation_deg=angles[..., 1],
-        usable=np.array([len({layout.columns[k][0] for k in chosen})], np.int64),
-        **columns,
-    )
+    usable = np.array([len({layout.columns[k][0] for k in chosen})], np.int64)
+    return fixes_of(observations, layout, cause, angles, usable, columns)
 
 
 def _nothing(signals: int, layout: Layout) -> dict[str, NDArray[Any]]:

@@ -169,6 +169,20 @@ def _fixes(
     cause[(found["usage"] == IDLE) & fixed[:, None]] = Cause.LOW
     cause[(found["usage"] == IDLE) & ~fixed[:, None]] = Cause.NO_FIX
     cause[found["usage"] == EXCLUDED] = Cause.RESIDUAL
+    columns = {name: found[name] for name in COLUMNS}
+    return fixes_of(observations, layout, cause, angles, usable, columns)
+
+
+def fixes_of(
+    observations: Observations,
+    layout: Layout,
+    cause: NDArray[np.uint8],
+    angles: NDArray[np.float64],
+    usable: NDArray[np.int64],
+    columns: dict[str, NDArray[Any]],
+) -> Fixes:
+    """Fixes of observations: causes (E, S), directions (E, S, 2), usable satellites (E,) and what a
+    solver told, by the names :data:`COLUMNS`."""
     return Fixes(
         reference=observations.reference,
         time_s=observations.time_s,
@@ -179,7 +193,7 @@ def _fixes(
         azimuth_deg=angles[..., 0],
         elevation_deg=angles[..., 1],
         usable=usable,
-        **{name: found[name] for name in COLUMNS},
+        **columns,
     )
 
 

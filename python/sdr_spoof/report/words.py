@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from sdr_spoof import _core, detectors, signals
-from sdr_spoof.detectors import noise_floor, power, power_difference, second_peak
+from sdr_spoof.detectors import power, power_difference, second_peak
 from sdr_spoof.detectors.series import LOG10_P_FLOOR
 from sdr_spoof.fusion import BOTH_CHANGED, deciding, evidence_of
 from sdr_spoof.records import Alarm, SatelliteVerdict, Verdict
@@ -65,8 +65,8 @@ def _what(alarm: Alarm) -> str:
     if alarm.detector == power_difference.NAME:
         return "the power of one band changed against the other's; multipath or a spoofer"
     band = band_name(alarm.band)
-    if alarm.quantity == noise_floor.QUANTITY:
-        return f"the noise floor of {band} rose for all satellites alike; {noise_floor.CAUSE}"
+    if cause := detectors.common_cause(alarm):
+        return f"the noise floor of {band} rose for all satellites alike; {cause}"
     if alarm.detector == power.NAME:
         return f"{alarm.quantity} of its {band} signal rose; multipath or a spoofer"
     return f"the correlation peak of its {band} signal changed shape; multipath or a spoofer"

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.stats import ks_2samp, norm, ttest_ind_from_stats
 
-from sdr_spoof.detectors import StatisticSeries, noise_floor
+from sdr_spoof.detectors import StatisticSeries, common_cause
 from sdr_spoof.fusion import share_of
 from sdr_spoof.verdict import statistics
 
@@ -73,7 +73,7 @@ def observe(log: TrackLog, config: DetectionConfig, from_s: float = 0.0) -> list
     shared = set()
     found = []
     for series in statistics(log, config):
-        if series.quantity == noise_floor.QUANTITY:
+        if common_cause(series) is not None:
             if series.signal in shared:
                 continue
             shared.add(series.signal)
