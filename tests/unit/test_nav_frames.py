@@ -291,3 +291,16 @@ def test_a_message_that_ends_before_its_signal_is_told() -> None:
     (told,) = anchors.silences(frames, Stretch("B1I", 27, 0.0, end_s + 13.0))
     assert told.startswith(f"C27 B1I: no message was received after {end_s:.1f} s")
     assert anchors.silences([], Stretch("B1I", 27, 0.0, 99.0)) == []
+
+
+@pytest.mark.parametrize(("message", "prn"), ALL)
+def test_frames_before_a_stronger_signal_takes_over(message, prn) -> None:
+    # A capture raises the amplitude threefold: what was said before is as good as it was.
+    clean = air(message, prn, NOON, 60.0)
+    run = noisy_run(clean.values, message, prn, 40.0, seed=3)
+    stronger = run.values.copy()
+    stronger[run.values.size // 2 :] *= 3.0
+    frames = MESSAGES[message].decode(replace(run, values=stronger), NOON)
+    even = MESSAGES[message].decode(run, NOON)
+    assert [f.ok for f in frames] == [f.ok for f in even]
+    assert sum(f.ok for f in frames) >= 60.0 / (300 * run.symbol_s) - 2

@@ -58,6 +58,8 @@ class AidedVerdict:
     """What could not be tested, and why."""
     limits: str = ""
     """In words, what the tests cannot see."""
+    heeded: tuple[str, ...] = ()
+    """RINEX names of satellites left out because the receiver's own detectors call them spoofed."""
 
 
 def judge(
@@ -82,11 +84,20 @@ def judge(
     """
     alarmed = [m for m in monitors if m.alarm_s is not None]
     tested_s = max((_tested_s(m) for m in monitors), default=0.0)
-    quiet = AidedVerdict(CLEAN, "", tested_s=tested_s, notes=tuple(notes), limits=limits)
+    quiet = AidedVerdict(
+        CLEAN,
+        "",
+        tested_s=tested_s,
+        notes=tuple(notes),
+        limits=limits,
+        heeded=_heeded(track),
+    )
     spans = _disbelieved(track)
     if not alarmed and not spans:
         enough = tested_s >= min_tested_s
         why = f"{tested_s:.0f} s tested, nothing beyond its threshold"
+        if quiet.heeded:
+            why += f" without {', '.join(quiet.heeded)}, which the receiver's own detectors name"
         if not enough:
             why = f"only {tested_s:.0f} s could be tested, {min_tested_s:g} s are needed"
             why += f": {notes[0]}" if notes else ""
@@ -133,6 +144,14 @@ def _left_out(track: AidedTrack | None) -> tuple[tuple[str, ...], bool]:
     out = (track.use == Use.EXCLUDED) & partial[:, None]
     names = tuple(n for n, hit in zip(track.satellites, out.any(axis=0), strict=True) if hit)
     return names, bool((track.guard == Guard.COASTING).any())
+
+
+def _heeded(track: AidedTrack | None) -> tuple[str, ...]:
+    """Satellites that were not used on the word of the receiver's own detectors."""
+    if track is None:
+        return ()
+    named = (track.use == Use.NAMED).any(axis=0)
+    return tuple(n for n, hit in zip(track.satellites, named, strict=True) if hit)
 
 
 def _severity_m(track: AidedTrack | None, onset_s: float) -> float | None:

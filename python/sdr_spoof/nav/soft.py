@@ -11,6 +11,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 BURST_SYMBOLS = 150
+LEVEL_SYMBOLS = 300
+UNEVEN = 1.4
+"""Medians of so many symbols in noise differ by a fifth."""
+FADED = 0.3
+"""Less of the usual amplitude is noise, which is not raised to it."""
 LEAST_NOISE = 0.01
 UNCERTAIN = 0.4
 """Symbols are weaker than others where less than this of their certainty is left; what is more is
@@ -68,6 +73,26 @@ def _moments(values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[
     second, fourth = squares.mean(axis=1), (squares**2).mean(axis=1)
     power = np.minimum(np.sqrt(np.maximum(3 * second**2 - fourth, 0.0) / 2), second)
     return power, second - power
+
+
+def levelled(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Symbols of about even amplitude, where a stronger signal has taken over, or one has faded.
+
+    One amplitude and one noise would take the change for noise. Where the blocks' medians differ by
+    less than :data:`UNEVEN`, which noise alone makes them do, the symbols are left as they are.
+    """
+    count = values.size // LEVEL_SYMBOLS
+    if count < 2:
+        return values
+    rows = np.abs(values[: count * LEVEL_SYMBOLS].reshape(count, LEVEL_SYMBOLS))
+    level = np.median(rows, axis=1)
+    usual = float(np.median(level))
+    level = np.maximum(level, FADED * usual)
+    if usual == 0.0 or level.max() < UNEVEN * level.min():
+        return values
+    middles = LEVEL_SYMBOLS * (np.arange(count) + 0.5)
+    around = np.interp(np.arange(values.size) + 0.5, middles, level)
+    return np.asarray(values * (usual / around), dtype=np.float32)
 
 
 def weighted(values: NDArray[np.float32], noise: float) -> NDArray[np.float32]:

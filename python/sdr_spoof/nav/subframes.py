@@ -13,7 +13,7 @@ from ..errors import NavigationError
 from .bits import PAGE_BITS
 from .broadcast import Contents
 from .records import Frame
-from .soft import amplitude_and_noise, weighted
+from .soft import amplitude_and_noise, levelled, weighted
 from .steps import Reach, reach, steps
 from .sync import find, windows
 from .time import WEEK_S, GnssTime
@@ -139,11 +139,12 @@ class SubframeMessage(ABC):
 
     def decode(self, run: SymbolRun, near: GnssTime | None = None) -> list[Frame]:
         """Find and correct the subframes of a run, see :class:`sdr_spoof.nav.records.Message`."""
-        amplitude, noise = amplitude_and_noise(run.values)
+        levels = levelled(run.values)
+        amplitude, noise = amplitude_and_noise(levels)
         if amplitude == 0.0:
             return []
         noise /= amplitude
-        values = weighted((run.values / amplitude).astype(np.float32), noise)
+        values = weighted((levels / amplitude).astype(np.float32), noise)
         found = find(values, self.framing(noise))
         if not found:
             return []

@@ -25,7 +25,9 @@ _SURE = 1e-6
 
 
 def headline(verdict: AidedVerdict) -> str:
-    """The answer in two or three words."""
+    """The answer in a few words."""
+    if verdict.verdict == CLEAN and verdict.heeded:
+        return "No spoofing beside what the receiver itself has found"
     return _HEADLINES[verdict.verdict]
 
 
