@@ -15,6 +15,7 @@ from sdr_spoof.reproduce.ins_rate import (
     drift_section,
     false_alarms,
     flight_section,
+    rules_section,
 )
 from sdr_spoof.reproduce.ship import (
     attack_section,
@@ -95,7 +96,7 @@ def test_quick_reproduction_of_ins_rate(tmp_path, capsys, monkeypatch):
     def nothing(effort, stages, executor=None):
         return Section("left out")
 
-    for module in (drift_section, drag_section, flight_section):
+    for module in (drift_section, drag_section, flight_section, rules_section):
         monkeypatch.setattr(module, "section", nothing)
     monkeypatch.setattr(false_alarms, "QUICK_FLIGHTS", 2)
     folder = tmp_path / "study"

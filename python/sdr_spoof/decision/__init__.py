@@ -22,6 +22,7 @@ from sdr_spoof.decision import (
     sprt_classic,
     t_test,
     threshold,
+    trained_threshold,
 )
 from sdr_spoof.decision.record import Decision, Refusal
 from sdr_spoof.decision.rule import SequentialRule, first_alarm, latched
@@ -46,6 +47,7 @@ RULES: dict[str, SequentialRule[Any]] = {
     module.RULE.name: module.RULE
     for module in (
         threshold,
+        trained_threshold,
         t_test,
         local_mean,
         chi_square,

@@ -13,7 +13,7 @@ from sdr_spoof.errors import ConfigError
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from sdr_spoof.decision.record import Decision
+    from sdr_spoof.decision.record import Decision, Refusal
     from sdr_spoof.detectors.config import DetectionConfig
     from sdr_spoof.detectors.series import StatisticSeries
 
@@ -65,7 +65,7 @@ class SequentialRule(Generic[Parameters]):
         default=lambda parameters, _: parameters
     )
     """Its parameters with what the configuration says."""
-    decide: Callable[[StatisticSeries, DetectionConfig], Decision | None] | None = None
+    decide: Callable[[StatisticSeries, DetectionConfig], Decision | Refusal | None] | None = None
     """A decision on a series of its own, where the rule is not for independent samples."""
 
     def with_(self, **changes: Any) -> SequentialRule[Parameters]:

@@ -37,6 +37,17 @@ class DetectionConfig(BaseModel):
         description="Shift for which the rule 'cusum' is fastest, in standard deviations of one "
         "independent sample.",
     )
+    rule_training_s: float = Field(
+        100.0,
+        gt=0.0,
+        description="First part of each series, taken to be clean, that the rule "
+        "'trained-threshold' learns from and does not judge, in s.",
+    )
+    rule_training_mean: Literal["trained", "zero"] = Field(
+        "trained",
+        description="Whether that rule learns the mean with the deviation, or it is known to be "
+        "zero.",
+    )
     false_alarm_probability: float = Field(
         1e-6,
         gt=0.0,

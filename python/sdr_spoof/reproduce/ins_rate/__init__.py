@@ -8,7 +8,15 @@ from sdr_spoof.progress import Stages
 from sdr_spoof.reproduce.parallel import workers
 from sdr_spoof.reproduce.study import Effort, Section, Study
 
-from . import drag_section, drift_section, errata, false_alarms, flight_section, tests_section
+from . import (
+    drag_section,
+    drift_section,
+    errata,
+    false_alarms,
+    flight_section,
+    rules_section,
+    tests_section,
+)
 
 
 def sections(effort: Effort, stages: Stages) -> Sequence[Section]:
@@ -16,8 +24,9 @@ def sections(effort: Effort, stages: Stages) -> Sequence[Section]:
     with workers(effort.threads) as executor:
         drift = drift_section.section(effort, stages, executor)
         drags = drag_section.section(effort, stages, executor)
+        rules = rules_section.section(effort, stages, executor)
     found = [part.section(effort, stages) for part in (false_alarms, flight_section, tests_section)]
-    return [drift, *found, drags]
+    return [drift, *found, rules, drags]
 
 
 STUDY = Study(

@@ -53,6 +53,28 @@ class Case:
     """Runs for each IMU and drag, with onsets and directions of their own."""
     flight: int
     between_s: float = BETWEEN_S
+    first_s: int = FIRST_S
+    """Earliest onset."""
+
+
+@dataclass(frozen=True)
+class Flown:
+    """One flight with all its runs: GNSS minus INS positions, Earth-fixed, at whole seconds."""
+
+    config: RateConfig
+    states: RunStates
+    axes: Floats
+    """East, north, up, (M, 3, 3)."""
+    noise_m: Floats
+    """Of the resolved phases, (IMUs, runs, M, 3)."""
+    clean_m: Floats
+    """(IMUs, runs, M, 3)"""
+    attacked_m: Floats
+    """(IMUs, drags * runs, M, 3)"""
+    onset: NDArray[np.int64]
+    """(IMUs, drags, runs)"""
+    turning: NDArray[np.bool_]
+    """Whether the flight turns at each second, (M,)."""
 
 
 @dataclass(frozen=True)
@@ -72,8 +94,8 @@ class Outcome:
     onset_s: Floats
 
 
-def fly(case: Case, seed: int) -> Outcome:
-    """One flight with all its runs."""
+def flown(case: Case, seed: int) -> Flown:
+    """One flight, clean and with every drag."""
     config = RateConfig(grade=case.grade, carrier_sigma_m=CARRIER_M, **PERFECT)
     way = flight(case.flight, case.between_s)
     log = ideal_increments(way, published.DURATION_S, RATE_HZ)
@@ -82,23 +104,27 @@ def fly(case: Case, seed: int) -> Outcome:
     true = true_states(way, states.time_s)
     rng = np.random.default_rng([seed, case.flight])
     axes = earth.enu_axes(true.position_m)
-    clean = (
-        _noise(rng, axes, (case.imus, case.onsets)) - (states.position_m - true.position_m)[:, None]
-    )
-    quiet = _searched(states, clean, axes, config)
-    attacked, onset = _attacked(rng, clean, axes, case.drags_m_s)
-    found = _searched(states, attacked, axes, config)
-    delay, early = _delays(found, onset, rate_drag.threshold(config, 1.0))
+    noise = _noise(rng, axes, (case.imus, case.onsets))
+    clean = noise - (states.position_m - true.position_m)[:, None]
+    attacked, onset = _attacked(rng, clean, axes, case)
     heading = np.unwrap(true.attitude_rad[:, 0])
     turning = np.abs(np.gradient(heading)) > TURNING_RAD
-    window = round(config.onset_window_s)
+    return Flown(config, states, axes, noise, clean, attacked, onset, turning)
+
+
+def fly(case: Case, seed: int) -> Outcome:
+    """One flight with all its runs, through ``rate_drag``."""
+    of = flown(case, seed)
+    quiet, found = searched(of, of.clean_m), searched(of, of.attacked_m)
+    delay, early = delays(found, of.onset, rate_drag.threshold(of.config, 1.0))
+    window = round(of.config.onset_window_s)
     return Outcome(
         float(np.isfinite(quiet).sum() / 3600),
         tuple(_clumps(quiet, level, window) for level in _levels()),
         delay,
         early,
-        turning[onset],
-        onset.astype(float),
+        of.turning[of.onset],
+        of.onset.astype(float),
     )
 
 
@@ -114,24 +140,28 @@ def _noise(rng: np.random.Generator, axes: Floats, runs: tuple[int, int]) -> Flo
 
 
 def _attacked(
-    rng: np.random.Generator, clean: Floats, axes: Floats, drags: tuple[float, ...]
+    rng: np.random.Generator, clean: Floats, axes: Floats, case: Case
 ) -> tuple[Floats, NDArray[np.int64]]:
     """The same runs with each drag, in random horizontal directions, and where they begin."""
-    shape = (len(clean), len(drags), clean.shape[1])
-    onset = rng.integers(FIRST_S, LAST_S, shape)
+    shape = (len(clean), len(case.drags_m_s), clean.shape[1])
+    onset = rng.integers(case.first_s, LAST_S, shape)
     angle = rng.uniform(0.0, 2 * np.pi, shape)
     local = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=-1)
-    local *= np.array(drags)[:, None, None]
+    local *= np.array(case.drags_m_s)[:, None, None]
     drag = np.einsum("kdrij,kdri->kdrj", axes[onset], local)
     since = np.clip(np.arange(len(axes)) - onset[..., None], 0, None)
     runs = clean[:, None] + since[..., None] * drag[..., None, :]
     return runs.reshape(len(clean), -1, len(axes), 3), onset
 
 
-def _searched(states: RunStates, position: Floats, axes: Floats, config: RateConfig) -> Floats:
+def steps_of(of: Flown) -> growth.Steps:
+    """What the model of the INS says of each IMU's run, (IMUs, M, ...)."""
+    return growth.steps(at_states(of.states), of.states.time_s, budget.of(of.config))
+
+
+def searched(of: Flown, position: Floats) -> Floats:
     """GNSS minus INS positions (IMUs, R, M, 3) through the filter, as the detector does it."""
-    time_s = states.time_s
-    steps = growth.steps(at_states(states), time_s, budget.of(config))
+    time_s, axes = of.states.time_s, of.axes
     phase = np.swapaxes(axes, 1, 2) @ (dilution() * CARRIER_M**2) @ axes
     given = Displacements(
         time_s,
@@ -141,7 +171,7 @@ def _searched(states: RunStates, position: Floats, axes: Floats, config: RateCon
         np.arange(time_s.size) > 0,
         np.ones(time_s.size, bool),
     )
-    return search(given, steps, round(config.onset_window_s)).statistic
+    return search(given, steps_of(of), round(of.config.onset_window_s)).statistic
 
 
 def _clumps(statistic: Floats, level: float, window: int) -> int:
@@ -153,7 +183,8 @@ def _clumps(statistic: Floats, level: float, window: int) -> int:
     return int((above & (last == before)).sum())
 
 
-def _delays(statistic: Floats, onset: NDArray[np.int64], level: float) -> tuple[Floats, int]:
+def delays(statistic: Floats, onset: NDArray[np.int64], level: float) -> tuple[Floats, int]:
+    """From each onset to the alarm, infinite if missed; and how many alarms were earlier."""
     above = np.nan_to_num(statistic).reshape(*onset.shape, -1) > level
     second = np.arange(above.shape[-1])
     early = (above & (second <= onset[..., None])).any(axis=-1)
