@@ -30,7 +30,17 @@ def test_satellites_that_were_left_out_are_spoofed():
     assert verdict.confidence == pytest.approx(1 - 1e-6)
     told = " ".join(words.sentences(verdict))
     assert told.startswith("C20, C27, C36, since 61.0 s (alarm at 61.0 s). Severity: GNSS alone")
-    assert words.action(verdict).startswith("leave C20, C27, C36 out")
+    assert told.endswith("Spoofed by the receiver's own detectors, and not used: C23.")
+    assert words.action(verdict).startswith("leave C20, C23, C27, C36 out")
+
+
+def test_what_the_receiver_named_is_not_taken_for_clean():
+    use = ALL_USED.copy()
+    use[70:, 2] = Use.NAMED
+    verdict = judge(case.track(QUIET, use), [case.monitor()])
+    assert verdict.verdict == "clean" and verdict.heeded == ("C23",)
+    assert words.headline(verdict) == "No spoofing beside what the receiver itself has found"
+    assert "C23" in verdict.reason and "C23" in next(words.sentences(verdict))
 
 
 def test_all_satellites():

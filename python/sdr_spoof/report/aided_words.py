@@ -38,6 +38,13 @@ def level(verdict: AidedVerdict) -> str:
 
 def sentences(verdict: AidedVerdict) -> Iterator[str]:
     """Since when, which satellites, how bad."""
+    yield from _found(verdict)
+    others = [name for name in verdict.heeded if name not in verdict.satellites]
+    if others:
+        yield f"Spoofed by the receiver's own detectors, and not used: {', '.join(others)}."
+
+
+def _found(verdict: AidedVerdict) -> Iterator[str]:
     if verdict.onset_s is None:
         return
     at = f"since {verdict.onset_s:.1f} s (alarm at {verdict.alarm_s:.1f} s)"
@@ -78,7 +85,8 @@ def action(verdict: AidedVerdict) -> str:
             "use no GNSS while this lasts; the INS alone goes on, less and less exactly, as its "
             "protection level says"
         )
-    return f"leave {', '.join(verdict.satellites)} out; the place found with the others is good"
+    names = sorted({*verdict.satellites, *verdict.heeded})
+    return f"leave {', '.join(names)} out; the place found with the others is good"
 
 
 def tested(verdict: AidedVerdict) -> str:
