@@ -65,12 +65,11 @@ def directions(
     if phases.expected is not None:
         level = level - (phases.expected[:, :2] - phases.expected[0, :2])
     jacobian = np.einsum("eij,...ejd->...eid", turn, slope)[..., :2, :]
-    longest = 1.0 + MARGIN_SIGMAS * float(np.sqrt(np.linalg.eigvalsh(noise)[-1]))
     return Directions(
         unit,
         level,
         _covariance(jacobian, noise, read, unit, phases),
-        np.all(square <= longest**2, axis=-1),
+        np.all(square <= _longest(noise) ** 2, axis=-1),
     )
 
 
@@ -115,8 +114,11 @@ def whole_cycles(array: AntennaArray, phases: ArrayPhases) -> NDArray[np.float64
     spans = (step * np.arange(a, b + 1) for a, b in zip(low, high, strict=True))
     grid = np.array(list(product(*spans)))
     read = array.read(phases.wavelength_m)
-    longest = 1.0 + MARGIN_SIGMAS * np.sqrt(
-        np.linalg.eigvalsh(array.covariance(phases.sigma_cycles, phases.wavelength_m))[-1]
-    )
+    longest = _longest(array.covariance(phases.sigma_cycles, phases.wavelength_m))
     fits = [bool(np.any(np.linalg.norm((first - n) @ read.T, axis=1) <= longest)) for n in grid]
     return np.asarray(grid[fits])
+
+
+def _longest(noise: NDArray[np.float64]) -> float:
+    """What a direction of that covariance may measure and be one."""
+    return 1.0 + MARGIN_SIGMAS * float(np.sqrt(np.linalg.eigvalsh(noise)[-1]))

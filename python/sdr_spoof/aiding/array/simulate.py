@@ -9,17 +9,17 @@ import numpy as np
 from sdr_spoof.scenario.sky.trajectory import rotations
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from .geometry import AntennaArray
 
     Floats = NDArray[np.float64]
 
 
-def direction(azimuth_deg: float, elevation_deg: float) -> Floats:
-    """Unit vector north, east, down, (3,)."""
-    a, e = np.radians([azimuth_deg, elevation_deg])
-    return np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), -np.sin(e)])
+def direction(azimuth_deg: ArrayLike, elevation_deg: ArrayLike) -> Floats:
+    """Unit vectors north, east, down (..., 3) of angles (...)."""
+    a, e = np.broadcast_arrays(np.radians(azimuth_deg), np.radians(elevation_deg))
+    return np.stack([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), -np.sin(e)], axis=-1)
 
 
 def towards(source_m: Floats, displacement_m: Floats) -> Floats:

@@ -12,6 +12,7 @@ from sdr_spoof.nav.geodesy import azimuth_elevation, ecef_to_geodetic, enu_matri
 from sdr_spoof.nav.orbit import positions
 
 from .examine import GRID_S, Vehicle
+from .simulate import direction
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -83,11 +84,7 @@ def _look(
             orbit = positions(selected.ephemeris, [start + float(t) for t in time_s[every]])
         except NavigationError:
             return None
-        azimuth, elevation = np.radians(azimuth_elevation(place_m[every], orbit.position_m)).T
-        level = np.cos(elevation)
-        unit = np.stack(
-            [level * np.cos(azimuth), level * np.sin(azimuth), -np.sin(elevation)], axis=-1
-        )
+        unit = direction(*azimuth_elevation(place_m[every], orbit.position_m).T)
         return np.stack([np.interp(time_s, time_s[every], u) for u in unit.T], axis=-1)
 
     return look

@@ -103,7 +103,7 @@ def _by_heading(moved_m: float) -> Floats:
 
 def _by_bearing(range_m: float) -> Floats:
     """For spoofers on the ground all around (360,)."""
-    sources = range_m * np.stack([direction(b, 0.0) for b in BEARINGS])
+    sources = range_m * direction(BEARINGS, 0.0)
     return _seen(sources, MOTION_M * direction(45.0, 45.0))
 
 

@@ -117,7 +117,7 @@ def tilted(tilt_deg: float, runs: int) -> Wrong:
     """A change of roll that the published test ignores and the INS knows."""
     rng = np.random.default_rng((SEED, 2, round(tilt_deg)))
     bearings = rng.uniform(0, 360, runs)
-    unit = _still(np.stack([direction(b, TILT_ELEVATION_DEG) for b in bearings]))
+    unit = _still(direction(bearings, TILT_ELEVATION_DEG))
     attitude = _attitude(0.0, tilt_deg)
     ignored = _share(unit, "pair", rng, attitude=attitude, believed=_attitude())
     return Wrong("tilt", tilt_deg, ignored, _share(unit, "pair", rng, attitude=attitude))
@@ -151,7 +151,7 @@ def _looks(ephemeris: Ephemeris, receiver: Floats, times_s: Sequence[float]) -> 
     """Directions at the ephemeris's reference time and each of the times later, (T + 1, 3)."""
     times = [ephemeris.toe + t for t in (0.0, *times_s)]
     places = positions(ephemeris, times).position_m
-    return np.stack([direction(a, e) for a, e in azimuth_elevation(receiver, places)])
+    return direction(*azimuth_elevation(receiver, places).T)
 
 
 def together(runs: int) -> dict[Form, Together]:
