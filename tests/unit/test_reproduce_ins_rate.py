@@ -13,6 +13,7 @@ from sdr_spoof.reproduce.ins_rate import (
     false_alarms,
     flight_section,
     published,
+    signs,
     simulated,
     strapdown_runs,
     tests_section,
@@ -64,6 +65,14 @@ def test_samples_and_thresholds_of_the_tests(few):
     assert numbers["local_threshold_straight_0.005_n1"].value == pytest.approx(0.0065, rel=0.2)
     assert numbers["local_pd_straight_0.005_n1"].met
     assert numbers["t_test_rejects_north"].value > 85.0
+
+
+def test_without_biases_the_drag_is_found_as_by_noise_alone():
+    flights = simulated.fleet(6).flights
+    clean, dragged = signs.shares(flights, np.zeros((1, 6, 6)))
+    size = 6 * 99
+    assert clean[0] == pytest.approx(0.01, abs=4 * (0.01 * 0.99 / size) ** 0.5 + 0.002)
+    assert dragged[0] == pytest.approx(0.25, abs=4 * (0.25 * 0.75 / size) ** 0.5 + 0.01)
 
 
 def test_the_end_of_an_interval_is_not_its_mean():
