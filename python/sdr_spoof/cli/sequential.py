@@ -46,6 +46,13 @@ def _configure(parser: argparse.ArgumentParser) -> None:
         metavar="FILE.rnx,...",
         help="RINEX navigation files; needed with a RINEX observation file",
     )
+    parser.add_argument(
+        "--ins-grade",
+        dest=config.FLAG_PREFIX + "sequential.ins_grade",
+        metavar="NAME",
+        help="quality of a free INS, whose drift is then learnt; the same as "
+        "--sequential-ins-grade",
+    )
     options.add_output(parser, "folder for the report, the picture and the table")
     config.add_flags(parser, ["sequential", "pvt"])
 
@@ -177,5 +184,7 @@ COMMAND = Command(
     examples=(
         "sdr-spoof sequential flight.rnx --ins flight.ins.csv --dme flight.dme.csv --nav brdc.rnx",
         "sdr-spoof sequential out/today/result.h5 --ins today.ins.csv --sequential-rule cusum",
+        "sdr-spoof sequential flight.rnx --ins flight.ins.csv --nav brdc.rnx --ins-grade "
+        "navigation --sequential-ins-aligned-s 600",
     ),
 )

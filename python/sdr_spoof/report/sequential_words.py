@@ -15,6 +15,7 @@ from .page import listed
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from sdr_spoof.aiding.dme.config import SequentialConfig
     from sdr_spoof.aiding.dme.judge import Judgement, Tested
     from sdr_spoof.decision import Decision
 
@@ -131,6 +132,16 @@ def place(found: Judgement) -> str | None:
     if found.spoofed and isolation.after_m is not None:
         return f"{text}, without {listed(found.spoofed)} {_size_m(isolation.after_m)}"
     return text
+
+
+def drift(found: Judgement, config: SequentialConfig) -> str:
+    """How far a free INS is expected to be off at the end."""
+    off_m = np.linalg.norm(found.differences.error_m[-1])
+    sigma_m = np.sqrt(np.trace(found.differences.error_m2[-1]))
+    return (
+        f"a free one of grade “{config.ins_grade}”, aligned {config.ins_aligned_s:g} s before the "
+        f"first epoch; expected to be off by {off_m:.0f} m (sigma {sigma_m:.1f} m) at the end"
+    )
 
 
 def tested(found: Judgement) -> str:

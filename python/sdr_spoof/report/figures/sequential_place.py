@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from .looks import Look
 
-COLOURS = (style.ALARM, "#00694f")
+COLOURS = {"all satellites": style.ALARM, "expected of the INS's drift": style.INK}
 
 
 def draw_places(
@@ -42,7 +42,8 @@ def draw_places(
         draw_looks(axes, looks)
         level = figure.add_subplot(grid[0, 1])
         height = figure.add_subplot(grid[1, 1], sharex=level)
-        for colour, (name, offset) in zip(COLOURS, offsets_m.items(), strict=False):
+        for name, offset in offsets_m.items():
+            colour = COLOURS.get(name, "#00694f")
             level.plot(time_s, np.hypot(*offset[:, :2].T), color=colour, label=name)
             height.plot(time_s, offset[:, 2], color=colour)
         if alarm_s is not None:
