@@ -12,10 +12,19 @@ from sdr_spoof.aiding.dme.drift import Drift
 from sdr_spoof.aiding.dme.isolation import isolate
 from sdr_spoof.aiding.dme.judge import judge
 from sdr_spoof.aiding.dme.observed import differences
+from sdr_spoof.aiding.dme.records import DmeLog
+from sdr_spoof.aiding.dme.stations import Station, sigma_m, slant_ranges_m
 from sdr_spoof.aiding.imu import grades
 from sdr_spoof.aiding.imu.simulate import ideal_increments, true_states
 from sdr_spoof.aiding.records import InertialStates
-from sdr_spoof.aiding.simulated import ClockWalk, ReceiverNoise, fixed, range_pull, simulate
+from sdr_spoof.aiding.simulated import (
+    ClockWalk,
+    ReceiverNoise,
+    fixed,
+    range_pull,
+    simulate,
+    velocity_drag,
+)
 from sdr_spoof.errors import ConfigError
 from sdr_spoof.nav.time import GnssTime
 from sdr_spoof.report import sequential_words as words
@@ -146,3 +155,22 @@ def test_isolation_allows_for_what_the_ins_may_be_off():
     assert isolate(shifted, geometry, 30, expected=(error, 0 * sigma)).satellites == ()
     shifted[2] += 40.0
     assert isolate(shifted, geometry, 30, expected=(0 * error, sigma)).satellites == (2,)
+
+
+STATIONS = (Station("NORTH", 34.6, 108.4, 400.0), Station("SOUTH", 33.6, 108.8, 500.0))
+
+
+def ranges():
+    true = slant_ranges_m(STATIONS, truth().position_m)
+    noise = sigma_m(true) * np.random.default_rng(2).standard_normal(true.shape)
+    which = np.tile([0, 1], TIME.size)
+    return DmeLog(START, STATIONS, np.repeat(TIME, 2), which, (true + noise).ravel() + 30.0)
+
+
+def test_what_is_learnt_of_a_false_trajectory_contradicts_dme():
+    drag = velocity_drag((0.0, 4.0, 0.0), 60.0)
+    found = judge(measured([drag]), drifting()[2], ranges(), FREE)
+    assert found.captured
+    said = " ".join(words.sentences(found))
+    assert "DME contradicts the place that INS and satellites give" in said
+    assert judge(measured(), drifting()[2], ranges(), FREE).alarm_s is None

@@ -11,7 +11,7 @@ from sdr_spoof.aiding.dme.statistics import STATISTICS
 
 from . import sequential_words as words
 from .figures.looks import Look, azimuth_elevation_deg
-from .figures.sequential_place import draw_places
+from .figures.sequential_place import ALL, DRIFT, draw_places
 from .page import Page, Part, Row, Table, listed
 from .words import times
 
@@ -149,7 +149,7 @@ def _level(found: Judgement, channel: str) -> str:
 def _said(found: Judgement, channel: str) -> str:
     level = _level(found, channel)
     if level == "suspect" and channel not in found.differences.satellites:
-        return "INS contradicted"
+        return "contradicts them"
     if level == "clean" and any(t.decided for t in found.tested if t.channel == channel):
         return "drawn by the others"
     return {"clean": "no objection", "unsupported": "not tested"}.get(level, level)
@@ -160,12 +160,12 @@ def _geometry(found: Judgement, config: SequentialConfig) -> Part:
     epochs = np.unique(
         np.linspace(0, differences.time_s.size - 1, MOST_FIXES).round().astype(np.int64)
     )
-    offsets = {"all satellites": fix_course(differences, epochs)}
+    offsets = {ALL: fix_course(differences, epochs)}
     if found.spoofed:
         out = [differences.satellites.index(s) for s in found.spoofed]
         offsets[f"without {listed(found.spoofed)}"] = fix_course(differences, epochs, out)
     if config.ins_grade is not None:
-        offsets["expected of the INS's drift"] = -differences.error_m[epochs]
+        offsets[DRIFT] = -differences.error_m[epochs]
     looks = list(_looks(found, epochs))
     picture = draw_places(looks, differences.time_s[epochs], offsets, found.alarm_s)
     return Part(

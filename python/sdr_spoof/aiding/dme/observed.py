@@ -80,6 +80,11 @@ class Differences:
         return np.asarray(left / np.sqrt(spread))
 
     @property
+    def learnt(self) -> bool:
+        """Whether anything is known of the drift of the INS."""
+        return bool(self.error_m2.any())
+
+    @property
     def count(self) -> int:
         """Satellites."""
         return len(self.satellites)

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
     from .looks import Look
 
-COLOURS = {"all satellites": style.ALARM, "expected of the INS's drift": style.INK}
+ALL, DRIFT = "all satellites", "expected of the INS's drift"
+"""Names of lines; others are fixes without some satellites."""
 
 
 def draw_places(
@@ -42,8 +43,9 @@ def draw_places(
         draw_looks(axes, looks)
         level = figure.add_subplot(grid[0, 1])
         height = figure.add_subplot(grid[1, 1], sharex=level)
+        colours = {ALL: "#0072b2" if alarm_s is None else style.ALARM, DRIFT: style.INK}
         for name, offset in offsets_m.items():
-            colour = COLOURS.get(name, "#00694f")
+            colour = colours.get(name, "#00694f")
             level.plot(time_s, np.hypot(*offset[:, :2].T), color=colour, label=name)
             height.plot(time_s, offset[:, 2], color=colour)
         if alarm_s is not None:
