@@ -6,7 +6,8 @@ Layout: ``/`` holds ``partial`` and ``format_version``; ``/recording`` the forma
 epoch;
 ``/second_peaks`` one column per field, one row per search; ``/breaks``, where there are any, one
 row per :class:`CountBreak`; ``/gain``, where that of the recorder was logged; ``/verdict`` with
-tables of satellites and alarms; ``/navigation``, ``/observations`` and ``/fixes`` as :mod:`.hdf5_nested` has it. Every dataset has the attribute
+tables of satellites and alarms; ``/navigation``, ``/observations`` and ``/fixes`` as
+:mod:`.hdf5_nested` has it. Every dataset has the attribute
 ``units`` ("1" where it has none). No dates are stored.
 """
 
