@@ -1,7 +1,7 @@
 """From measurements and increments to places, alarms and a verdict.
 
-The filter runs first. The free INS, whose rates are compared with those of carrier phase, starts
-from what the filter knows when it has settled, and its uncertainty then is that of the filter.
+The filter runs first; the free INS, whose rates are compared with those of carrier phase, starts
+from what it knows (:mod:`.free`).
 """
 
 from __future__ import annotations
@@ -13,8 +13,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sdr_spoof.aiding.imu.grades import DEG_HOUR, DEG_ROOT_HOUR, MICRO_G, named
-from sdr_spoof.aiding.records import InertialStates
-from sdr_spoof.aiding.strapdown import navigate
 from sdr_spoof.aiding.tight import run as run_filter
 from sdr_spoof.aiding.tight.solution import FLOOR
 from sdr_spoof.errors import AidingError
@@ -22,16 +20,18 @@ from sdr_spoof.progress import silent
 from sdr_spoof.scenario.sky.clock import ALLAN
 from sdr_spoof.signals import LIGHT_M_S
 
+from . import free, mounting
 from .clocks import on_one_clock
-from .filtered import body_velocity, monitors_of, published_of, three_way, track_of
-from .judge import judge
-from .rates import Rates, examine
+from .filtered import monitors_of, published_of, three_way, track_of
+from .judge import doubted, judge
 from .start import begin
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from sdr_spoof.aiding.error_growth import AlignmentSigma
-    from sdr_spoof.aiding.records import ImuLog, Measurements
-    from sdr_spoof.aiding.tight import TightConfig, TightSolution
+    from sdr_spoof.aiding.records import ImuLog, InertialStates, Measurements
+    from sdr_spoof.aiding.tight import TightConfig
     from sdr_spoof.config import Config
     from sdr_spoof.nav.time import GnssTime
     from sdr_spoof.progress import Stages
@@ -41,8 +41,6 @@ if TYPE_CHECKING:
 
 LEAST_CLOCK_M2_S, LEAST_DRIFT_M2_S3 = 1e-3, 1e-6
 """Of even the best oscillator: what is left of the model's own error."""
-STATES_HZ = 10.0
-"""Rate of the states of the free INS, at least."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +85,13 @@ class Aided:
         return len(self.measurements.satellites)
 
 
-def aid(measurements: Measurements, log: ImuLog, config: Config, stages: Stages = silent) -> Aided:
+def aid(
+    measurements: Measurements,
+    log: ImuLog,
+    config: Config,
+    stages: Stages = silent,
+    notes: Sequence[str] = (),
+) -> Aided:
     """Filter, compare, judge.
 
     Args:
@@ -95,6 +99,7 @@ def aid(measurements: Measurements, log: ImuLog, config: Config, stages: Stages 
         log: increments, by GNSS time.
         config: its groups ``aided``, ``tight``, ``rate`` and ``detection``.
         stages: shows progress.
+        notes: what the files said, for the verdict.
 
     Raises:
         AidingError: IMU and GNSS do not overlap, or there is nothing to start with.
@@ -111,20 +116,24 @@ def aid(measurements: Measurements, log: ImuLog, config: Config, stages: Stages 
         track = track_of(solution, measurements, config.aided.integrity_risk)
         tests = monitors_of(solution, config.tight)
     with stages("Testing rates"):
-        free, rates = _rates(log, measurements, solution, config)
+        inertial, rates = free.rates(log, measurements, solution, config)
     verdict = judge(
         track,
         (*tests, *rates.monitors),
-        rates.notes,
+        (*notes, *rates.notes),
         " ".join((FLOOR, *rates.limits)),
         rates.tests + float(np.isfinite(solution.deviates).sum()),
         config.aided.min_tested_s,
         [name for e in solution.events if e.state == "partial" for name in e.excluded],
     )
+    until_s = math.inf if verdict.alarm_s is None else verdict.alarm_s
+    swing = mounting.examine(log, measurements, beginning.start, until_s)
+    if swing is not None and swing.wrong:
+        verdict = doubted(verdict, swing.words())
     return Aided(
         verdict,
         measurements,
-        free,
+        inertial,
         track,
         (*tests, *rates.monitors),
         rates.residuals,
@@ -181,38 +190,3 @@ def _with_sigma(config: Config, sigma: AlignmentSigma | None) -> Config:
     }
     update = {name: max(v, 1e-3) for name, v in found.items()}
     return config.model_copy(update={"tight": _unless_given(config.tight, update)})
-
-
-def _rates(
-    log: ImuLog, measurements: Measurements, solution: TightSolution, config: Config
-) -> tuple[InertialStates | None, Rates]:
-    """The free INS from the filter's first settled epoch on, and the tests with it."""
-    begins = solution.time_s[int(np.argmax(solution.valid))]
-    settled = solution.valid & (solution.time_s >= begins + config.tight.settle_s)
-    if not settled.any() or not config.aided.detectors:
-        note = f"rates: the filter has not settled within {config.tight.settle_s:g} s"
-        return None, Rates((), (), (note,), (), 0.0)
-    row = int(np.argmax(settled))
-    one = slice(row, row + 1)
-    begin = InertialStates(
-        log.reference,
-        solution.time_s[one],
-        solution.position_m[one],
-        body_velocity(solution)[one],
-        solution.attitude_rad[one],
-        np.zeros(1),
-    )
-    every = max(1, round(1.0 / (STATES_HZ * log.interval_s)))
-    free = navigate(log, begin, every=every)
-    sigma = np.sqrt(np.diagonal(solution.covariance[row], axis1=1, axis2=2))
-    known = {
-        "align_position_m": float(sigma[0].max()),
-        "align_velocity_m_s": float(sigma[1].max()),
-        "align_level_deg": float(np.degrees(sigma[2, :2].max())),
-        "align_heading_deg": float(np.degrees(sigma[2, 2])),
-    }
-    given = config.rate.model_fields_set
-    update = {name: value for name, value in known.items() if name not in given}
-    rate = config.rate.model_copy(update=update)
-    covered = measurements.part(row, measurements.time_s.size)
-    return free, examine(covered, free, config.model_copy(update={"rate": rate}))

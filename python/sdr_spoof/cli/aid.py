@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from sdr_spoof.aided.session import Session
-    from sdr_spoof.config import Config
 
     from .ui import Ui
 
@@ -87,14 +86,14 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
             stages=ui.stages,
         )
         with ui.stages("Reporting"):
-            session.write(out, settings, force=arguments.force)
-    return outcome(session, out, settings)
+            session.write(out, force=arguments.force)
+    return outcome(session, out)
 
 
-def outcome(session: Session, out: Path, settings: Config) -> Outcome:
+def outcome(session: Session, out: Path) -> Outcome:
     """What is said and printed."""
     aided = session.aided
-    data = summary(session, out) | {"config": settings}
+    data = summary(session, out) | {"config": session.config}
 
     def render(console: Console) -> None:
         from sdr_spoof.report.aided_terminal import print_aided  # noqa: PLC0415
