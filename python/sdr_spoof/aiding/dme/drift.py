@@ -43,9 +43,15 @@ class Drift:
 
     @classmethod
     def of(
-        cls, measurements: Measurements, ins: InertialStates, config: SequentialConfig
+        cls,
+        measurements: Measurements,
+        ins: InertialStates,
+        config: SequentialConfig,
+        rate: RateConfig | None = None,
     ) -> Drift | None:
-        """Of the configured grade; None where places of the INS are to be taken as exact.
+        """Of the configured grade, after an alignment as good as ``rate`` says.
+
+        None where places of the INS are to be taken as exact.
 
         Raises:
             NavigationError: INS and measurements do not overlap.
@@ -56,7 +62,8 @@ class Drift:
         known = at_epochs(measurements, _whole(ins))
         first = int(np.argmax(np.isfinite(known.position_m[:, 0])))
         age_s = config.ins_aligned_s + known.age_s - known.age_s[first]
-        sizes = budget.of(RateConfig(grade=config.ins_grade))
+        alignment = rate or RateConfig()
+        sizes = budget.of(alignment.model_copy(update={"grade": config.ins_grade}))
         return cls(growth.steps(replace(known, age_s=age_s), measurements.time_s, sizes))
 
     def expected(self, found: Differences, until_s: float = np.inf) -> Differences:

@@ -27,6 +27,7 @@ from .statistics import STATISTICS
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from sdr_spoof.aiding.rate_config import RateConfig
     from sdr_spoof.aiding.records import InertialStates, Measurements
 
     from .geometry import Geometry
@@ -75,8 +76,9 @@ def judge(
     ins: InertialStates,
     dme: DmeLog | None = None,
     config: SequentialConfig | None = None,
+    rate: RateConfig | None = None,
 ) -> Judgement:
-    """Run all tests.
+    """Run all tests; ``rate`` says how well a free INS was aligned.
 
     Raises:
         AidingError, NavigationError: records do not go together, or are too few.
@@ -84,7 +86,7 @@ def judge(
     """
     config = config or SequentialConfig()
     found = differences(measurements, ins, dme, config)
-    drift = Drift.of(measurements, ins, config)
+    drift = Drift.of(measurements, ins, config, rate)
     if drift is not None:
         found = drift.expected(found)
     series, notes = [], []
