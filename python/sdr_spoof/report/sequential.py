@@ -138,18 +138,21 @@ def _level(found: Judgement, channel: str) -> str:
     if channel in found.spoofed:
         return "spoofed"
     of = [t for t in found.tested if t.channel == channel]
-    if not any(not t.note for t in of):
+    if all(t.note for t in of):
         return "unsupported"
-    named = found.isolation is not None and found.isolation.satellites is not None
-    if any(t.decided for t in of) and not (named and not found.captured):
-        return "suspect"
-    return "clean"
+    if found.captured:
+        satellite = channel in found.differences.satellites
+        doubted = not found.spoofed if satellite else any(t.decided for t in of)
+    else:
+        named = found.isolation is not None and found.isolation.satellites is not None
+        doubted = not named and any(t.decided for t in of)
+    return "suspect" if doubted else "clean"
 
 
 def _said(found: Judgement, channel: str) -> str:
-    level = _level(found, channel)
-    if level == "suspect" and channel not in found.differences.satellites:
-        return "contradicts them"
+    level, satellite = _level(found, channel), channel in found.differences.satellites
+    if level == "suspect" and found.captured:
+        return "contradicted by DME" if satellite else "contradicts them"
     if level == "clean" and any(t.decided for t in found.tested if t.channel == channel):
         return "drawn by the others"
     return {"clean": "no objection", "unsupported": "not tested"}.get(level, level)
