@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import csv
 import math
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from nav_air import NOON, content, noisy_run
+from nav_air import NOON, VECTORS, content, noisy_run
 from observed_sky import EXACT, START, Sky
 from observed_sky import navigation as orbits
 from skies import sky
@@ -18,10 +19,12 @@ from sdr_spoof.config import load_config
 from sdr_spoof.errors import NavigationError
 from sdr_spoof.fixes import Cause
 from sdr_spoof.nav import d2_integrity
+from sdr_spoof.nav.beidou_framing import NUMBER, SOW
+from sdr_spoof.nav.bits import bits_of
 from sdr_spoof.nav.broadcast import Contents
 from sdr_spoof.nav.integrity import GridPoint, Integrity, place_deg
 from sdr_spoof.nav.messages import MESSAGES
-from sdr_spoof.nav.records import Navigation
+from sdr_spoof.nav.records import Frame, Navigation
 from sdr_spoof.nav.store import Store
 from sdr_spoof.nav.time import GnssTime
 from sdr_spoof.positioning import locate
@@ -91,6 +94,48 @@ def test_the_places_are_those_of_the_icd():
         3: (0, 3, pytest.approx(-4.0)),
         31: (9, 6, pytest.approx(-2.0)),
     }
+
+
+def sent_by_c01():
+    """Frames of 14 July 2021, from midnight BDT on (tests/vectors/navigation/README.md)."""
+    found = []
+    with (VECTORS / "subframes.csv").open() as file:
+        rows = [r for r in csv.DictReader(file) if r["message"] == "D2"]
+    for row in rows:
+        bits = np.concatenate([bits_of(int(word, 16), 30) for word in row["words"].split()])
+        sow, number = SOW.raw(bits), NUMBER.raw(bits)
+        page = D2.page(sow // 3 * 5 + number - 1, bits)
+        sent = GnssTime.of_week(810, float(sow), "C") + 0.6 * (number - 1)
+        found.append(Frame("C", 1, "B1I", "D2", number, sent, bits, 0.0, 0.0, 0.6, page))
+    return sorted(found, key=lambda f: f.transmitted)
+
+
+def test_what_a_satellite_sent():
+    """Marks, and what is said: 16 satellites have slots, just the other two slots are empty."""
+    frames_ = sent_by_c01()
+    read = D2.read(frames_)
+    assert [i.prn for i in read.integrity] == [*range(1, 7), *range(8, 14), 16, 23, 24, 25]
+    steps = [6, 13, -3, 1, 3, 8, 10, 1, 6, 9, 8, -12, -4, -18, -21, -17]
+    assert [round(i.correction_m / 0.1) for i in read.integrity] == steps
+    assert [i.rurai for i in read.integrity] == [1, 3, 0, 0, 0, 1, 2, 0, 0, 1, 1, 2, 0, 4, 4, 3]
+    assert {i.udrei for i in read.integrity} == {0}
+    second = next(f for f in frames_ if f.number == 2)
+    assert [f.raw(second.bits) for f in d2_integrity.UDREI[16:]] == [14, 14]
+    assert all(i.usable for i in read.integrity)
+
+
+def test_the_grid_that_a_satellite_sent():
+    """The morning's ionosphere over China: thicker in the south."""
+    grid = D2.read(sent_by_c01()).grid
+    delays = {p.place_deg: p.delay_m for p in grid}
+    assert len(delays) == len(grid) == 115
+    assert (min(delays.values()), max(delays.values())) == (0.75, 2.75)
+    assert delays[22.5, 125.0] == 2.75
+    south, north = (
+        np.mean([d for (latitude, _), d in delays.items() if low <= latitude < low + 15])
+        for low in (7.5, 37.5)
+    )
+    assert south > north + 0.3
 
 
 def test_all_satellites_come_back():
