@@ -31,6 +31,7 @@ class ToneRecording:
     """White noise and a tone at B1C, real int8."""
 
     path = Path("tone")
+    gain = None
     sample_count = 1 << 19
     format = types.SimpleNamespace(
         sample_format="ri8",

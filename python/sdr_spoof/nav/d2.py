@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import beidou_pages, keplerian
-from .beidou import SIGNAL, BeidouMessage, ionosphere, legacy_ephemeris, together
+from .beidou import SIGNAL, BeidouMessage, gather, ionosphere, legacy_ephemeris, together
 from .beidou_pages import PAGE, Slot
 from .beidou_satellites import GEO
 from .bits import PAGE_BITS, Field, layout
@@ -61,6 +61,8 @@ BASIC = layout(
     ("i_dot", "10:52 10:61-73", keplerian.RATE),
     signed="tgd1 tgd2 a0 a1 a2 delta_n cuc m0 cus cic cis i0 crc crs omega_dot omega0 omega i_dot",
 )
+PLACES = BASIC.places(BASIC_PAGES * PAGE_BITS).reshape(BASIC_PAGES, PAGE_BITS)
+"""Bits of the ephemeris, by page."""
 KLOBUCHAR = layout(
     ("alpha0", "47-52 61-62", 2.0**-30),
     ("alpha1", "63-70", 2.0**-27),
@@ -165,7 +167,7 @@ class D2Message(BeidouMessage):
             return Contents()
         if frame.page == IONOSPHERE_PAGE:
             return ionosphere(KLOBUCHAR, frame)
-        latest[frame.page] = frame
+        gather(latest, frame.page, frame, PLACES[frame.page - 1])
         return self._orbit(latest)
 
     @staticmethod
@@ -173,10 +175,10 @@ class D2Message(BeidouMessage):
         """Ephemeris of the last pages of subframe 1, if they are of one set."""
         if len(latest) < BASIC_PAGES - 1:
             return Contents()
-        if not together([f.transmitted for f in latest.values()]):
-            return Contents()
         bits = np.zeros(BASIC_PAGES * PAGE_BITS, dtype=np.uint8)
         for page, frame in latest.items():
             bits[(page - 1) * PAGE_BITS : page * PAGE_BITS] = frame.bits
-        start = min(f.transmitted for f in latest.values())
-        return legacy_ephemeris(latest[CLOCK_PAGE].prn, D2, BASIC.read(bits), start)
+        fields, times = BASIC.read(bits), [f.transmitted for f in latest.values()]
+        if not together(times, same_reference=fields["toe"] == fields["toc"]):
+            return Contents()
+        return legacy_ephemeris(latest[CLOCK_PAGE].prn, D2, fields, min(times))

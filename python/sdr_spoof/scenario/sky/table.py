@@ -90,6 +90,12 @@ class SkyTable(BaseModel):
     messages: bool = Field(
         True, description="false: pseudo-random symbols instead of navigation messages"
     )
+    new_issues: bool = Field(
+        False,
+        description="messages change to the next ephemeris of the navigation file when a satellite "
+        "would: BDS at its reference time, each full hour, GPS two hours before it. The satellites "
+        "stay on the orbit of one ephemeris, which has no steps",
+    )
     clock: ReceiverClock = Field(ReceiverClock.model_validate({}), description="receiver's clock")
     array: ArrayTable | None = Field(None, description="several antennas instead of one")
     satellite: tuple[SatelliteOverride, ...] = Field((), description="what differs")
