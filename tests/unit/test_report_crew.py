@@ -19,7 +19,6 @@ from sdr_spoof.report import write_report
 from sdr_spoof.report.crew import Crew, crew_for, finish
 from sdr_spoof.report.evidence import EvidenceBook
 from sdr_spoof.report.figures.panels import Look, Panel, Stroke
-from sdr_spoof.report.figures.png_file import encoded
 from sdr_spoof.report.figures.quiet import QuietDrawing
 from sdr_spoof.report.figures.satellite import SatelliteDrawing
 from sdr_spoof.report.figures.sheet import Sheets
@@ -114,14 +113,6 @@ def test_axes_that_move_follow_the_lines(symlog):
     changed = np.abs(pixels[1] - pixels[0]).any(axis=2)
     assert changed[:, 50:115].any()
     assert not changed[-55:].any()  # labels of the time axis
-
-
-def test_png_holds_the_colours():
-    pixels = np.random.default_rng(1).integers(0, 256, (7, 5, 3), dtype=np.uint8)
-    with Image.open(io.BytesIO(encoded(pixels))) as image:
-        image.load()
-        assert image.mode == "RGB"
-        np.testing.assert_array_equal(np.asarray(image), pixels)
 
 
 def test_what_a_dead_process_leaves_is_drawn_here(details):

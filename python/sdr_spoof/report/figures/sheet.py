@@ -14,8 +14,7 @@ from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from .png_file import png_of
-from .style import DPI, RC, undisturbed
+from .style import DPI, RC, png_of, undisturbed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Sequence

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import base64
 import gc
+import io
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.image import imsave
 from matplotlib.lines import Line2D
-
-from .png_file import png_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -105,6 +105,18 @@ def _png(
     draw(figure)
     canvas.draw()  # type: ignore[no-untyped-call]
     return png_of(canvas)
+
+
+def png_of(canvas: FigureCanvasAgg) -> bytes:
+    """What a canvas shows, as PNG without a date.
+
+    Lightly compressed: the usual saves a tenth of the room and takes 1.5 times as long.
+    """
+    buffer = io.BytesIO()
+    pixels = canvas.buffer_rgba()  # type: ignore[no-untyped-call]
+    plain: dict[str, Any] = {"metadata": {"Software": None}, "pil_kwargs": {"compress_level": 1}}
+    imsave(buffer, pixels, format="png", dpi=DPI, **plain)
+    return buffer.getvalue()
 
 
 @contextmanager
