@@ -20,7 +20,6 @@ from .rates import Rates, examine, joined
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from sdr_spoof.aiding.rate_config import RateConfig
     from sdr_spoof.aiding.records import ImuLog, Measurements
     from sdr_spoof.aiding.tight import TightSolution
     from sdr_spoof.config import Config
@@ -42,10 +41,11 @@ def rates(
     """
     found = []
     for piece, row in _pieces(log, solution, config.tight.settle_s):
-        free = _navigated(piece, solution, row)
+        begin = state_of(log, solution, row)
+        free = navigate(piece, begin, every=max(1, round(1 / (STATES_HZ * log.interval_s))))
         last = int(np.searchsorted(measurements.time_s, piece.time_s[-1], side="right"))
-        known = config.model_copy(update={"rate": _aligned(config.rate, solution, row)})
-        found.append((free, examine(measurements.part(row, last), free, known)))
+        seen = examine(measurements.part(row, last), free, aligned(config, solution, row))
+        found.append((free, seen))
     if not found or not config.aided.detectors:
         note = f"rates: the filter has not settled within {config.tight.settle_s:g} s"
         return None, Rates((), (), (note,), (), 0.0)
@@ -69,9 +69,10 @@ def _pieces(log: ImuLog, solution: TightSolution, settle_s: float) -> Iterator[t
         first = last
 
 
-def _navigated(log: ImuLog, solution: TightSolution, row: int) -> InertialStates:
+def state_of(log: ImuLog, solution: TightSolution, row: int) -> InertialStates:
+    """What the filter says at an epoch, as a state to navigate from."""
     one = slice(row, row + 1)
-    begin = InertialStates(
+    return InertialStates(
         log.reference,
         solution.time_s[one],
         solution.position_m[one],
@@ -79,11 +80,10 @@ def _navigated(log: ImuLog, solution: TightSolution, row: int) -> InertialStates
         solution.attitude_rad[one],
         np.zeros(1),
     )
-    return navigate(log, begin, every=max(1, round(1.0 / (STATES_HZ * log.interval_s))))
 
 
-def _aligned(rate: RateConfig, solution: TightSolution, row: int) -> RateConfig:
-    """What the filter says of its errors, where the configuration says nothing."""
+def aligned(config: Config, solution: TightSolution, row: int) -> Config:
+    """With what the filter says of its errors there, where the configuration says nothing."""
     sigma = np.sqrt(np.diagonal(solution.covariance[row], axis1=1, axis2=2))
     known = {
         "align_position_m": float(sigma[0].max()),
@@ -91,8 +91,9 @@ def _aligned(rate: RateConfig, solution: TightSolution, row: int) -> RateConfig:
         "align_level_deg": float(np.degrees(sigma[2, :2].max())),
         "align_heading_deg": float(np.degrees(sigma[2, 2])),
     }
-    given = rate.model_fields_set
-    return rate.model_copy(update={k: v for k, v in known.items() if k not in given})
+    own = config.rate.model_fields_set
+    rate = config.rate.model_copy(update={k: v for k, v in known.items() if k not in own})
+    return config.model_copy(update={"rate": rate})
 
 
 def _together(states: list[InertialStates]) -> InertialStates:

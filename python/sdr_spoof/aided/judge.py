@@ -3,8 +3,9 @@
 1. **spoofed**: the filter has left satellites out, or a test of rates has alarmed. Unless the
    filter has taken all its alarms back, since everything agreed again soon after, and no test of
    rates alarmed: then it is
-2. **suspect**. So is what alarmed while the antenna swings otherwise than its lever arm says
-   (:mod:`.mounting`), since the filter cannot tell that from spoofing.
+2. **suspect**. So is an alarm that names nobody while IMU and GNSS have not fitted from the
+   beginning (:mod:`.agreement`): a wrong lever arm, for instance, looks like spoofing of all.
+   Where some satellites are named, the others agree with the IMU, which so is right.
 3. **clean**: no alarm, and something could be tested for ``min_tested_s``.
 4. **not enough support**: anything else, such as an INS that is too old to be a witness.
 
@@ -129,10 +130,9 @@ def judge(
 def doubted(verdict: AidedVerdict, why: str) -> AidedVerdict:
     """The same, where something else than spoofing may be behind the alarms."""
     known = replace(verdict, doubt=why, notes=(why, *verdict.notes))
-    if verdict.verdict != SPOOFED:
+    if verdict.verdict != SPOOFED or verdict.satellites:
         return known
-    reason = f"{verdict.reason}; but {why}, and judge again"
-    return replace(known, verdict=SUSPECT, reason=reason)
+    return replace(known, verdict=SUSPECT, reason=f"{verdict.reason}; but {why}, and judge again")
 
 
 def _tested_s(monitor: Monitor) -> float:

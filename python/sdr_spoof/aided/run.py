@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sdr_spoof.aiding.imu.grades import DEG_HOUR, DEG_ROOT_HOUR, MICRO_G, named
+from sdr_spoof.aiding.records import InertialStates
 from sdr_spoof.aiding.tight import run as run_filter
 from sdr_spoof.aiding.tight.solution import FLOOR
 from sdr_spoof.errors import AidingError
@@ -20,7 +21,7 @@ from sdr_spoof.progress import silent
 from sdr_spoof.scenario.sky.clock import ALLAN
 from sdr_spoof.signals import LIGHT_M_S
 
-from . import free, mounting
+from . import agreement, free
 from .clocks import on_one_clock
 from .filtered import monitors_of, published_of, three_way, track_of
 from .judge import doubted, judge
@@ -30,8 +31,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from sdr_spoof.aiding.error_growth import AlignmentSigma
-    from sdr_spoof.aiding.records import ImuLog, InertialStates, Measurements
-    from sdr_spoof.aiding.tight import TightConfig
+    from sdr_spoof.aiding.records import ImuLog, Measurements
+    from sdr_spoof.aiding.tight import Start, TightConfig, TightSolution
     from sdr_spoof.config import Config
     from sdr_spoof.nav.time import GnssTime
     from sdr_spoof.progress import Stages
@@ -126,10 +127,8 @@ def aid(
         config.aided.min_tested_s,
         [name for e in solution.events if e.state == "partial" for name in e.excluded],
     )
-    until_s = math.inf if verdict.alarm_s is None else verdict.alarm_s
-    swing = mounting.examine(log, measurements, beginning.start, until_s)
-    if swing is not None and swing.wrong:
-        verdict = doubted(verdict, swing.words())
+    why = _doubt(log, measurements, solution, beginning.start, verdict.alarm_s, config)
+    verdict = doubted(verdict, why) if why else verdict
     return Aided(
         verdict,
         measurements,
@@ -190,3 +189,50 @@ def _with_sigma(config: Config, sigma: AlignmentSigma | None) -> Config:
     }
     update = {name: max(v, 1e-3) for name, v in found.items()}
     return config.model_copy(update={"tight": _unless_given(config.tight, update)})
+
+
+def _doubt(
+    log: ImuLog,
+    measurements: Measurements,
+    solution: TightSolution,
+    start: Start,
+    alarm_s: float | None,
+    config: Config,
+) -> str:
+    """What does not fit from the start on, or after the last gap of the IMU before the alarm."""
+    until_s = math.inf if alarm_s is None else alarm_s
+    gap_s = agreement.last_gap_s(log, until_s)
+    if gap_s is not None:
+        row = int(np.searchsorted(solution.time_s, gap_s + log.interval_s))
+        if row < solution.time_s.size and solution.valid[row] and solution.time_s[row] < until_s:
+            begin, known = free.state_of(log, solution, row), free.aligned(config, solution, row)
+            why = agreement.doubt(log, measurements, begin, until_s, known)
+            if why:
+                return f"after the gap of the IMU at {gap_s:.1f} s {why}"
+        if alarm_s is not None and alarm_s < gap_s + config.tight.settle_s:
+            return (
+                f"the alarm at {alarm_s:.1f} s comes soon after a gap of the IMU at {gap_s:.1f} s: "
+                "has its clock jumped there? Split the file there"
+            )
+    tight, own = config.tight, config.rate.model_fields_set
+    known_rate = {
+        "align_position_m": tight.start_position_m,
+        "align_velocity_m_s": tight.start_velocity_m_s,
+        "align_level_deg": tight.start_level_deg,
+        "align_heading_deg": tight.start_heading_deg,
+    }
+    rate = config.rate.model_copy(update={k: v for k, v in known_rate.items() if k not in own})
+    config = config.model_copy(update={"rate": rate})
+    return agreement.doubt(log, measurements, _first(log, start), until_s, config)
+
+
+def _first(log: ImuLog, start: Start) -> InertialStates:
+    """The start as a state."""
+    return InertialStates(
+        log.reference,
+        np.array([start.time_s]),
+        np.array([start.position_m]),
+        np.array([start.velocity_m_s]),
+        np.array([start.attitude_rad]),
+        np.zeros(1),
+    )

@@ -56,7 +56,7 @@ def add_imu(parser: argparse.ArgumentParser, *, required: bool) -> None:
     for flag, name, metavar, what in (
         ("--grade", "aided.grade", "NAME", "quality of the IMU"),
         ("--lever-arm", "imu.lever_arm_m", "F,R,D", "antenna from the IMU in m"),
-        ("--attitude", "aided.attitude_deg", "Y,P,R", "yaw, pitch, roll at the start in degrees"),
+        ("--attitude", "aided.attitude_deg", "Y,P,R", "yaw, pitch, roll at the first epoch"),
     ):
         long = config.flag_name(name.split("."))
         help_text = f"{what}; the same as {long}"
