@@ -53,11 +53,14 @@ class Session:
 
     @property
     def error_m(self) -> dict[str, float] | None:
-        """Largest distance from the truth, aided and by GNSS alone; None where it is unknown."""
+        """Largest distance from the truth, aided, by GNSS alone, and smoothed if it was asked for;
+        None where the truth is unknown."""
         track = self.aided.track
         if self.truth_m is None or track is None:
             return None
         places = {"aided": track.position_m, "gnss_alone": track.alone_m}
+        if track.smoothed is not None:
+            places["smoothed"] = track.smoothed.position_m
         return {
             name: float(np.nanmax(np.linalg.norm(place - self.truth_m, axis=1)))
             for name, place in places.items()

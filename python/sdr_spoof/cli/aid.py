@@ -61,6 +61,13 @@ def add_imu(parser: argparse.ArgumentParser, *, required: bool) -> None:
         long = config.flag_name(name.split("."))
         help_text = f"{what}; the same as {long}"
         parser.add_argument(flag, dest=config.FLAG_PREFIX + name, metavar=metavar, help=help_text)
+    parser.add_argument(
+        "--smooth",
+        dest=config.FLAG_PREFIX + "tight.smooth",
+        action="store_const",
+        const="true",
+        help="also estimate every epoch from what came later; the same as --tight-smooth true",
+    )
 
 
 def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
@@ -137,5 +144,6 @@ COMMAND = Command(
         "sdr-spoof aid drive.rnx --imu drive.imu.csv --nav brdc.rnx --grade tactical",
         "sdr-spoof aid out/today/result.h5 --imu today.imu.csv --lever-arm 1.2,0,-2.5",
         "sdr-spoof aid ship.rnx --imu ship.imu.csv --nav brdc.rnx --attitude 90,0,0 --json",
+        "sdr-spoof aid survey.rnx --imu survey.imu.csv --nav brdc.rnx --smooth",
     ),
 )
