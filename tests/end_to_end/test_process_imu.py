@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 from contextlib import redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
@@ -141,7 +142,10 @@ def test_a_wrong_lever_arm_is_told(sea, aid, arm):
     said = aid(sea.folder / "sea.imu.csv", f"--lever-arm={arm}")["verdict"]
     assert said["verdict"] == "suspect"
     assert f"not as at the lever arm of {arm} m" in said["doubt"]
-    assert "1.4 ± 0.1, -12.0 ± 0.0 m" in said["doubt"] and said["doubt"] in said["reason"]
+    assert said["doubt"] in said["reason"]
+    found = [float(v) for v in re.findall(r"(-?[\d.]+) ±", said["doubt"])]
+    # Forward is told by pitch alone, within 12 s of a calm sea.
+    assert found[1:] == pytest.approx([1.5, -12.0], abs=0.4)
     told = f"the lever arm given, {arm} m, is used; the IMU's file says -6,1.5,-12 m"
     assert told in said["notes"]
 
