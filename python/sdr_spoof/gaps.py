@@ -77,7 +77,7 @@ def uncounted(log: TrackLog, track: SignalTrack) -> list[Span]:
         for b in log.breaks
         if (b.prn, signal_spec(b.signal).system) == (track.prn, system)
     ]
-    return _joined([*own, *(g.span for g in gaps_of(log))])
+    return joined([*own, *(g.span for g in gaps_of(log))])
 
 
 def counted(
@@ -102,16 +102,16 @@ def sentences(gaps: Iterable[Gap]) -> list[str]:
     ]
 
 
+def joined(spans: list[Span]) -> list[Span]:
+    """The same in order, those that overlap as one."""
+    found: list[Span] = []
+    for begin, end in sorted(spans):
+        if found and begin <= found[-1][1]:
+            found[-1] = found[-1][0], max(found[-1][1], end)
+        else:
+            found.append((begin, end))
+    return found
+
+
 def _name(one: CountBreak) -> str:
     return satellite_name(signal_spec(one.signal).system, one.prn)
-
-
-def _joined(spans: list[Span]) -> list[Span]:
-    """The same, those that overlap as one."""
-    joined: list[Span] = []
-    for begin, end in sorted(spans):
-        if joined and begin <= joined[-1][1]:
-            joined[-1] = joined[-1][0], max(joined[-1][1], end)
-        else:
-            joined.append((begin, end))
-    return joined

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from .ephemeris import Ephemeris
+    from .integrity import GridPoint, Integrity
     from .time import GnssTime
 
 
@@ -115,6 +116,10 @@ class Contents:
     """Satellite by RINEX name and what almanac or health pages say of it, 0 = healthy."""
     almanacs: tuple[Ephemeris, ...] = ()
     """Coarse orbits; quantities that an almanac lacks are 0."""
+    integrity: tuple[Integrity, ...] = ()
+    """How satellites were judged, in order of time where one satellite tells."""
+    grid: tuple[GridPoint, ...] = ()
+    """Vertical delays of the ionosphere."""
 
     def distinct(self) -> Self:
         """Leave out what is a repetition of something sent before."""
@@ -126,6 +131,7 @@ class Contents:
             offsets=_distinct(self.offsets),
             health=tuple(dict(self.health).items()),
             almanacs=_distinct(self.almanacs),
+            grid=_distinct(self.grid),
         )
 
     def __add__(self, other: Self) -> Self:
@@ -138,6 +144,8 @@ class Contents:
             offsets=self.offsets + other.offsets,
             health=self.health + other.health,
             almanacs=self.almanacs + other.almanacs,
+            integrity=self.integrity + other.integrity,
+            grid=self.grid + other.grid,
         )
 
 
@@ -164,3 +172,7 @@ class Broadcast:
     offsets: tuple[TimeOffset, ...] = ()
     health: tuple[tuple[str, int], ...] = field(default=())
     """Satellites that are not healthy, by RINEX name, beyond what ``ephemerides`` say."""
+    integrity: tuple[Integrity, ...] = ()
+    """Judgements that geostationary BDS satellites send."""
+    grid: tuple[GridPoint, ...] = ()
+    """Points of the ionosphere's grid that they send; others are not available."""

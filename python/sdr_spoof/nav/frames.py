@@ -8,11 +8,14 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from ..gaps import gaps_of, sentences, uncounted
+from ..jolts import jolts_of
+from ..jolts import sentences as told_of_jolts
 from ..signals import satellite_name, signal_spec
 from . import anchors
 from .broadcast import Contents
+from .jolted import Told, undenied
 from .messages import MESSAGES, message_on
-from .missing import Missing, missing, out_of_step, outages, overlap, touch
+from .missing import missing, out_of_step, outages, overlap, touch
 from .missing import sentences as told_in_words
 from .plausible import objection
 from .records import Anchor, Frame, Navigation, SymbolRun
@@ -23,7 +26,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from ..gaps import Gap, Span
+    from ..jolts import Jolt
     from ..records import SignalTrack, TrackLog
+    from .missing import Missing
     from .records import Message
     from .steps import Reach
     from .time import GnssTime
@@ -53,7 +58,7 @@ def decode(log: TrackLog, near: GnssTime | None = None) -> Navigation:
     decoded = [d for t in log.signals for d in _decoded(t, uncounted(log, t), near)]
     alive = [s for t in log.signals for s in stretches_of(t, uncounted(log, t))]
     lost = outages([(s.from_s, s.until_s) for s in alive], log.duration_s)
-    navigation, gaps = _navigation(decoded, near, gaps_of(log), lost)
+    navigation, gaps = _navigation(decoded, near, gaps_of(log), lost, jolts_of(log))
     found = navigation.anchors
     for _ in range(LENDINGS):
         found = (*found, *_borrowed(log, found, gaps))
@@ -77,16 +82,21 @@ def _navigation(
     near: GnssTime | None,
     seen: Sequence[Gap] = (),
     lost: Sequence[Span] = (),
+    jolts: Sequence[Jolt] = (),
 ) -> tuple[Navigation, list[Span]]:
     """What frames say, and within which spans samples are missing; ``seen`` by the tracker, or
-    perhaps missing as all was ``lost``."""
+    perhaps missing as all was ``lost`` or the carriers jumped."""
     decoded, notes = _with_weeks(decoded, near)
-    gaps = _missing(decoded)
+    signals, reach = _by_signal(decoded)
+    gaps = missing(signals, reach)
     told = [m.span for m in gaps]
     unexplained = [g for g in seen if not any(overlap(g.span, t) for t in told)]
     for spans in ([g.span for g in seen], out_of_step(_ends(decoded)), lost):
         told += [span for span in spans if not any(touch(span, other) for other in told)]
-    notes = [*sentences(unexplained), *told_in_words(gaps), *notes]
+    jolts = [j for j in jolts if not any(touch(j.span, other) for other in told)]
+    jolts = undenied(jolts, signals, [Told(d.frames, d.reach) for d in decoded])
+    told += [j.span for j in jolts]
+    notes = [*sentences(unexplained), *told_in_words(gaps), *told_of_jolts(jolts), *notes]
     notes += _disagreements(decoded, gaps)
     found = []
     for d in decoded:
@@ -113,15 +123,17 @@ def _ends(decoded: Iterable[_Decoded]) -> list[tuple[str, Reach, Reach]]:
     ]
 
 
-def _missing(decoded: Iterable[_Decoded]) -> list[Missing]:
-    """Samples that are missing by the frames of all signals."""
+def _by_signal(
+    decoded: Iterable[_Decoded],
+) -> tuple[list[list[Frame]], Callable[[Frame], Reach]]:
+    """The frames of each signal in order of time, and what is in step with one."""
     signals: dict[tuple[str, int], list[Frame]] = {}
     reach: dict[int, Callable[[Frame], Reach]] = {}
     for d in decoded:
         signals.setdefault((d.stretch.signal, d.stretch.prn), []).extend(d.frames)
         reach |= {id(f): d.reach for f in d.frames}
-    in_order = (sorted(frames, key=lambda f: f.time_s) for frames in signals.values())
-    return missing(in_order, lambda frame: reach[id(frame)](frame))
+    in_order = [sorted(frames, key=lambda f: f.time_s) for frames in signals.values()]
+    return in_order, lambda frame: reach[id(frame)](frame)
 
 
 def _decoded(

@@ -34,6 +34,8 @@ class SymbolRun:
     carrier loop is a Costas loop, and may change with a half-cycle slip. 0 where a symbol is
     missing."""
     symbol_s: float
+    grouped: bool = True
+    """Whether it is beyond doubt which rows of the track belong to one symbol."""
 
 
 @dataclass(frozen=True)

@@ -44,6 +44,10 @@ class Reach:
     from_s: float = -math.inf
     """Before this, several words fail; infinite where they do not."""
     until_s: float = math.inf
+    before_s: tuple[float, ...] = ()
+    """Start of each word before the frame that holds, up to one that fails."""
+    after_s: tuple[float, ...] = ()
+    """End of each word after the frame's start that holds, up to one that fails."""
     run_from_s: float = -math.inf
     """First and last instant of the run that is trusted; a frame may reach beyond."""
     run_until_s: float = math.inf
@@ -53,12 +57,17 @@ class Reach:
 class Steps:
     """Words on one side of a subframe's start, counted from there."""
 
-    held: int
-    """Up to the last one that holds before one fails."""
+    holding: tuple[int, ...]
+    """Those that hold before one fails."""
     failed: int | None
     """The first that fails."""
     out: bool
     """Whether several do."""
+
+    @property
+    def held(self) -> int:
+        """Up to the last one that holds before one fails."""
+        return self.holding[-1] + 1 if self.holding else 0
 
 
 def steps(
@@ -93,16 +102,16 @@ def _votes(
 
 
 def _steps(votes: Iterable[int]) -> Steps:
-    held = 0
+    holding: list[int] = []
     failures: list[int] = []
     for n, vote in enumerate(votes):
         if vote > 0 and not failures:
-            held = n + 1
+            holding.append(n)
         elif vote < 0:
             failures.append(n)
             if len(failures) == FAILURES:
                 break
-    return Steps(held, failures[0] if failures else None, len(failures) == FAILURES)
+    return Steps(tuple(holding), failures[0] if failures else None, len(failures) == FAILURES)
 
 
 def reach(times_s: NDArray[np.float64], start: int, before: Steps, after: Steps) -> Reach:
@@ -118,4 +127,6 @@ def reach(times_s: NDArray[np.float64], start: int, before: Steps, after: Steps)
         failed_after_s=None if after.failed is None else at(after.failed + 1),
         from_s=at(BACK_OFF - (before.failed or 0)) if before.out else -math.inf,
         until_s=at((after.failed or 0) - BACK_OFF) if after.out else math.inf,
+        before_s=tuple(at(-n - 1) for n in before.holding),
+        after_s=tuple(at(n + 1) for n in after.holding),
     )

@@ -8,6 +8,7 @@ sign.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -19,6 +20,7 @@ from ..gaps import counted
 from ..records import PART_EPOCHS, SignalTrack, State
 from ..signals import signal_spec
 from .records import SymbolRun
+from .soft import amplitude_and_noise
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -36,6 +38,10 @@ LONGEST_GAP_S = 0.5
 """Rows may be missing for so long within a run; the symbols there are 0."""
 FEWEST_SYMBOLS = 8
 """A shorter run is of no use."""
+SURE = math.log(1e6)
+"""Logarithm of how much likelier a grouping of rows must be than any other."""
+LEAST_NOISE = 0.05
+"""Noise over amplitude is taken for no less."""
 
 
 @dataclass(frozen=True)
@@ -157,7 +163,7 @@ def _run(
     places = (rows.first[part] - rows.first[part.start]) // per_row
     values = np.zeros(int(places[-1]) + 1)
     values[places] = row_values
-    offset = _offset(values, per_symbol)
+    offset, grouped = _grouping(values, per_symbol)
     count = (values.size - offset) // per_symbol
     if count < FEWEST_SYMBOLS:
         return None
@@ -178,16 +184,33 @@ def _run(
         time_s=rows.time_of(chips, part),
         values=(soft / mean).astype(np.float32),
         symbol_s=periods * spec.period_s,
+        grouped=grouped,
     )
 
 
-def _offset(values: NDArray[np.float64], per_symbol: int) -> int:
-    """Row with which the first whole symbol begins."""
+def _grouping(values: NDArray[np.float64], per_symbol: int) -> tuple[int, bool]:
+    """Row with which the first whole symbol begins, and whether that is beyond doubt: symbols that
+    are all the same leave it open."""
     if per_symbol == 1:
-        return 0
+        return 0, True
     powers = []
     for offset in range(per_symbol):
         count = (values.size - offset) // per_symbol
         groups = values[offset : offset + count * per_symbol].reshape(count, per_symbol)
         powers.append(np.mean(groups.sum(axis=1) ** 2) if count else 0.0)
-    return int(np.argmax(powers))
+    best = int(np.argmax(powers))
+    amplitude, noise = amplitude_and_noise(values.astype(np.float32))
+    if amplitude == 0.0:
+        return best, False
+    scaled = values * (amplitude / max(noise, LEAST_NOISE * amplitude) ** 2)
+    likely = [_likelihood(scaled, offset, per_symbol) for offset in range(per_symbol)]
+    return best, all(likely[best] - one > SURE for i, one in enumerate(likely) if i != best)
+
+
+def _likelihood(scaled: NDArray[np.float64], offset: int, per_symbol: int) -> float:
+    """Logarithm of how likely rows are, in units of noise^2 over amplitude, grouped from a row on;
+    the rows of a symbol, also of those cut off at the ends, have one sign."""
+    ahead = -offset % per_symbol
+    padded = np.pad(scaled, (ahead, -(ahead + scaled.size) % per_symbol))
+    sums = np.abs(padded.reshape(-1, per_symbol).sum(axis=1))
+    return float(np.sum(np.logaddexp(sums, -sums)))

@@ -11,20 +11,20 @@ Van Diggelen, A-GPS: Assisted GPS, GNSS, and SBAS, 2009, chapter 4.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sdr_spoof.fixes import Status
-from sdr_spoof.gaps import uncounted
 from sdr_spoof.nav.orbit import positions
 from sdr_spoof.nav.records import Anchor
 from sdr_spoof.nav.symbols import symbols_of
-from sdr_spoof.observables.runs import runs_of
-from sdr_spoof.pvt import CodePhase, snapshot
-from sdr_spoof.signals import LIGHT_M_S, signal_spec
+from sdr_spoof.pvt import timed_snapshot
+from sdr_spoof.signals import LIGHT_M_S
 
+from .pieces import Going, beyond, going, instants, phases_at, pieces_of
 from .reasons import left_out
 
 if TYPE_CHECKING:
@@ -38,15 +38,19 @@ if TYPE_CHECKING:
     from sdr_spoof.nav.time import GnssTime
     from sdr_spoof.observables.runs import Run
     from sdr_spoof.pvt import PvtConfig
-    from sdr_spoof.records import SignalTrack, TrackLog
+    from sdr_spoof.records import TrackLog
 
 EARTH_RATE = 7.2921150e-5
 """rad/s: WGS-84 and CGCS2000 alike, to 5e-9 of it."""
-SETTLING_S = 1.0
-"""The code loop of 1 Hz has settled after this, to 2 % of where it began."""
 UNSURE = 0.35
 """A counter that lies farther than this from a multiple, in periods, is not resolved."""
+SURE = math.log(1e5)
+"""Logarithm of how much likelier a time must be than one by a symbol earlier or later."""
 
+TOO_COARSE = (
+    "a snapshot of code phases tells the time to {:.1f} ms (one sigma), too coarsely to tell which "
+    "symbol it is: give a longer recording, or one with a message"
+)
 FARTHER_OFF = (
     "time, place or navigation file may be farther off than said, or samples of the recording "
     "missing"
@@ -77,7 +81,8 @@ def anchors_by(
 ) -> tuple[tuple[Anchor, ...], tuple[str, ...]]:
     """Anchors, and what is to be said of them, by a coarse time and place.
 
-    A snapshot of all code phases at one instant first finds both well enough.
+    A snapshot of all code phases at one instant first finds both well enough; anew in each part of
+    the recording between gaps.
 
     Args:
         log: tracks.
@@ -86,20 +91,48 @@ def anchors_by(
         place_m: where the receiver was, ECEF (3,), to ``config.place_uncertainty_m``.
         config: what the snapshot uses.
     """
-    at_s, phases = snapshot_phases(log)
-    if not phases:
-        return (), ("no signal was tracked long enough for a snapshot",)
-    fix = snapshot(phases, store, place_m, start + at_s, config)
-    if not fix.fixed.any():
-        told = f"no fix by a snapshot of code phases: {fix.reason(0)}; {FARTHER_OFF}"
-        return (), (*left_out(fix), told)
-    if fix.status[0] == Status.SUSPECT:
-        told = f"a snapshot of code phases contradicts itself; {FARTHER_OFF}"
-        return (), (*left_out(fix), told)
-    found = start + (fix.time(0) - (start + at_s))
-    anchors = anchors_at(log, store, found, fix.position_m[0])
-    late_s = found - start
-    return anchors, (f"time from a snapshot of code phases, {late_s:+.3f} s against the one given",)
+    anchors: list[Anchor] = []
+    told: list[str] = []
+    for piece in pieces_of(log):
+        runs = going(log, piece)
+        if runs:
+            found, notes = _anchors(log, runs, store, start, place_m, config)
+            anchors += found
+            told += notes
+    if not told and not anchors:
+        told = ["no signal was tracked long enough for a snapshot"]
+    return tuple(anchors), tuple(told)
+
+
+def _anchors(
+    log: TrackLog,
+    runs: Sequence[Going],
+    store: Store,
+    start: GnssTime,
+    place_m: NDArray[np.float64],
+    config: PvtConfig,
+) -> tuple[tuple[Anchor, ...], list[str]]:
+    """Of one part of a recording, by the first instant that tells the time well enough."""
+    notes: list[str] = []
+    for at_s in instants(runs):
+        phases = phases_at(runs, at_s)
+        fix, sigma_s = timed_snapshot(phases, store, place_m, start + at_s, config)
+        if not fix.fixed.any():
+            told = f"no fix by a snapshot of code phases: {fix.reason(0)}; {FARTHER_OFF}"
+            notes = notes or [*left_out(fix), told]
+            continue
+        if fix.status[0] == Status.SUSPECT:
+            told = f"a snapshot of code phases contradicts itself; {FARTHER_OFF}"
+            return (), [*left_out(fix), told]
+        late_s = fix.time(0) - (start + at_s)
+        counters = _counters(log, runs, store, start + late_s, fix.position_m[0])
+        beyond_s = _common_error_s(counters)
+        if _certain(counters, beyond_s, sigma_s):
+            found = (_resolved(c, beyond_s) for c in counters)
+            told = f"time from a snapshot of code phases, {late_s:+.3f} s against the one given"
+            return tuple(a for a in found if a is not None), [told]
+        notes = [*left_out(fix), TOO_COARSE.format(1e3 * sigma_s)]
+    return (), notes
 
 
 def unconfirmed(fixes: Fixes, place_m: NDArray[np.float64], within_m: float) -> tuple[Fixes, str]:
@@ -117,77 +150,33 @@ def unconfirmed(fixes: Fixes, place_m: NDArray[np.float64], within_m: float) -> 
     )
 
 
-def snapshot_phases(log: TrackLog) -> tuple[float, list[CodePhase]]:
-    """Sample time at which most signals are tracked, and their code phases then."""
-    runs = [
-        (track, run.outline())
-        for track in log.signals
-        for run in runs_of(track, uncounted(log, track))
-    ]
-    if not runs:
-        return 0.0, []
-    bounds = [(float(run.time_s[0]), float(run.time_s[-1])) for _, run in runs]
-    at_s = _instant([b for b in bounds if b[1] - b[0] > SETTLING_S] or bounds)
-    phases = []
-    for track, run in runs:
-        if run.time_s[0] <= at_s <= run.time_s[-1]:
-            spec = run.spec
-            code_s = float(np.interp(at_s, run.time_s, run.code_s)) + at_s
-            slope = np.polyfit(run.time_s[:2], run.phase_cycles[:2], 1)[0]
-            doppler_hz = -float(slope)
-            left_s = -code_s % spec.period_s / (1.0 + doppler_hz / spec.carrier_hz)
-            cn0 = float(np.interp(at_s, run.time_s, run.cn0_dbhz))
-            phases.append(CodePhase(spec.system, track.prn, track.signal, left_s, cn0, doppler_hz))
-    return at_s, phases
-
-
-def _instant(bounds: Sequence[tuple[float, float]]) -> float:
-    """Middle of the first time in which most of the runs go on together, their start left out."""
-    settled = [(begin + min(SETTLING_S, 0.5 * (end - begin)), end) for begin, end in bounds]
-
-    def going(at_s: float) -> list[tuple[float, float]]:
-        return [b for b in settled if b[0] <= at_s <= b[1]]
-
-    best = max((begin for begin, _ in settled), key=lambda at_s: (len(going(at_s)), -at_s))
-    return 0.5 * (best + min(end for _, end in going(best)))
-
-
-def anchors_at(
-    log: TrackLog, store: Store, start: GnssTime, place_m: NDArray[np.float64]
-) -> tuple[Anchor, ...]:
-    """Anchors of all runs of satellites with an ephemeris.
+def _counters(
+    log: TrackLog,
+    runs: Sequence[Going],
+    store: Store,
+    start: GnssTime,
+    place_m: NDArray[np.float64],
+) -> list[_Counter]:
+    """Of all runs of satellites with an ephemeris.
 
     Args:
         log: tracks.
+        runs: some of theirs, from one part of the recording.
         store: ephemerides.
         start: GPST of the first sample, to half the longest period among the signals (20 ms for
             B1I D1) or, where only differences matter, to seconds.
         place_m: where the receiver was, ECEF (3,), to 100 km.
     """
-    counters = [c for track in log.signals for c in _counters(log, track, store, start, place_m)]
-    if not counters:
-        return ()
-    late_s = _common_error_s(counters)
-    found = (_resolved(c, late_s) for c in counters)
-    return tuple(a for a in found if a is not None)
-
-
-def _counters(
-    log: TrackLog, track: SignalTrack, store: Store, start: GnssTime, place_m: NDArray[np.float64]
-) -> list[_Counter]:
-    spec = signal_spec(track.signal)
-    selected = store.select(spec.system, track.prn, start)
-    if selected is None:
-        return []
-    spans = uncounted(log, track)
-    runs = [r.outline() for r in runs_of(track, spans)]
-    symbols = symbols_of(track, spans)
     counters = []
-    for run in runs:
-        begin, end = float(run.time_s[0]), float(run.time_s[-1])
-        inside = [s for s in symbols if begin <= s.time_s[-1] and s.time_s[0] <= end]
+    for one in runs:
+        track, run, (begin, end) = one.track, one.run, one.span
+        spec = run.spec
+        selected = store.select(spec.system, track.prn, start)
+        if selected is None:
+            continue
         period_s, chips = spec.period_s, 0.0
-        if inside:
+        inside = symbols_of(track, beyond(log, track, one.span))
+        if inside and inside[0].grouped:
             period_s, chips = inside[0].symbol_s, float(inside[0].code_phase_chips[0])
         at_s = 0.5 * (begin + end)
         # Transmit time minus sample time; the counter's time of ``chips`` lies as far back.
@@ -196,6 +185,13 @@ def _counters(
         expected = sent + (chips / spec.chip_rate_hz - counted_s)
         counters.append(_Counter(track.signal, track.prn, run, period_s, chips, expected))
     return counters
+
+
+def _certain(counters: Sequence[_Counter], late_s: float, sigma_s: float) -> bool:
+    """Whether a time that is off by ``late_s`` hardly is off by a period more: the logarithm of how
+    much likelier, where the snapshot tells it with a standard deviation."""
+    longest_s = max((c.period_s for c in counters), default=0.0)
+    return longest_s * (longest_s - 2.0 * abs(late_s)) > 2.0 * SURE * sigma_s**2
 
 
 def _sent(ephemeris: Ephemeris, received: GnssTime, place_m: NDArray[np.float64]) -> GnssTime:
@@ -213,6 +209,8 @@ def _sent(ephemeris: Ephemeris, received: GnssTime, place_m: NDArray[np.float64]
 
 def _common_error_s(counters: Sequence[_Counter]) -> float:
     """How much later than predicted all satellites sent, by those with the longest period."""
+    if not counters:
+        return 0.0
     longest = max(c.period_s for c in counters)
     turns = [2 * np.pi * _beyond_s(c, 0.0) / longest for c in counters if c.period_s == longest]
     mean = np.angle(np.mean(np.exp(1j * np.array(turns))))

@@ -5,7 +5,7 @@ known coarsely.
 """
 
 from .config import PvtConfig
-from .snapshot import CodePhase, code_phases, snapshot
+from .snapshot import CodePhase, code_phases, snapshot, timed_snapshot
 from .solution import solve
 
-__all__ = ["CodePhase", "PvtConfig", "code_phases", "snapshot", "solve"]
+__all__ = ["CodePhase", "PvtConfig", "code_phases", "snapshot", "solve", "timed_snapshot"]

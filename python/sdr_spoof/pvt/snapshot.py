@@ -56,6 +56,8 @@ class CodePhase:
     cn0_dbhz: float
     doppler_hz: float = 0.0
     """Shortens the code period: 9 m in 10 ms at 5 kHz."""
+    unsettled_m: float = 0.0
+    """Standard deviation of what it may be off beyond the noise of a settled code loop."""
 
 
 def code_phases(
@@ -91,6 +93,17 @@ def snapshot(
     Raises:
         NavigationError: as :func:`solve`; or a signal is given whose code tells no range.
     """
+    return timed_snapshot(phases, navigation, place_m, time, config)[0]
+
+
+def timed_snapshot(
+    phases: Sequence[CodePhase],
+    navigation: Contents | Store,
+    place_m: ArrayLike,
+    time: GnssTime,
+    config: PvtConfig | None = None,
+) -> tuple[Fixes, float]:
+    """As :func:`snapshot`, and the standard deviation of the time found, in s."""
     config = config or PvtConfig()
     store = navigation if isinstance(navigation, Store) else Store(navigation)
     observations = _observations(phases, time)
@@ -108,7 +121,8 @@ def snapshot(
         config.place_uncertainty_m,
         config.time_uncertainty_s,
     )
-    return _fixes(observations, choice, cause, layout, chosen, found)
+    sigma_s = np.inf if found is None else float(np.sqrt(found[3][-1]))
+    return _fixes(observations, choice, cause, layout, chosen, found), sigma_s
 
 
 def _observations(phases: Sequence[CodePhase], time: GnssTime) -> Observations:
@@ -129,6 +143,7 @@ def _observations(phases: Sequence[CodePhase], time: GnssTime) -> Observations:
         lock_lost=nothing,
         half_cycle=nothing,
         spoofed=nothing,
+        unsettled_m=np.array([p.unsettled_m for p in phases]).reshape(values.shape),
     )
 
 
