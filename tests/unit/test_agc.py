@@ -203,3 +203,33 @@ def test_the_end_of_short_interference_is_no_rise_of_power():
     rise = [(30.0, 0.0), (30.0, 20.0), (36.0, 20.0), (36.0, 0.0)]
     log = simulate(sky(agc=True, noise=rise))
     assert not {power.CN0, power.AGAINST} & alarms(log)
+
+
+def test_a_transmitter_close_by_shows_in_the_gain_or_not_at_all():
+    near = {"kind": "asynchronous", "prns": [30], "signals": ["B1I"], "start_s": 30.0}
+    attack = near | {"cn0_dbhz": 75.0}
+    fixed, agc = (simulate(sky(agc=on, attack=[attack])) for on in (False, True))
+    assert FLOOR in alarms(fixed)
+    assert FLOOR in alarms(agc)
+    assert alarms(blind(agc)) == set()
+    assert agc.gain.gain_db[-1] == pytest.approx(-9.5, abs=0.1)  # 75 dB-Hz in 4 MHz
+
+
+@pytest.mark.parametrize("sample_format", ["ci16", "ri16"])
+@pytest.mark.parametrize("bandwidth_hz", [None, 2.5e6])
+def test_signals_count_with_the_power_that_the_filter_leaves(sample_format, bandwidth_hz):
+    real = sample_format[0] == "r"
+    plan = {
+        "sample_rate_hz": 8e6,
+        "lo_hz": LO_HZ - 2e6 if real else LO_HZ,
+        "noise": [],
+        "bandwidth_hz": bandwidth_hz,
+        "centre_hz": bandwidth_hz and LO_HZ,
+    }
+    quiet_ = stepped(sample_format, duration_s=0.1, **plan)
+    strong = quiet_.model_dump()
+    strong["satellite"][0]["cn0_dbhz"] = 85.0
+    made = Scenario.model_validate(strong)
+    raw = open_synthesizer(made, threads=1).generate(0, made.recording.sample_count)
+    level_db = 20 * np.log10(np.std(raw.view(np.int16).astype(np.float64)) / 256.0)
+    assert abs(level_db) < 0.1  # a signal 16 dB over the noise is kept at the noise's level

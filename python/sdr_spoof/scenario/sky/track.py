@@ -145,6 +145,7 @@ class Track:
             klobuchar=propagation.klobuchar(system),
             bdgim=propagation.bdgim,
             utc=next(utc, None),
+            integrity=self.sky.table.integrity,
         )
 
     def _spline(self, carrier_hz: float) -> _core.Spline:
