@@ -38,6 +38,8 @@ GRID_S = 0.01
 REACH_S, SKIP_S = 0.075, 0.015
 """How far a line reaches from the instant, and what is left out beside that."""
 LEAST_ROWS = 3
+CLEAR_CYCLES = 0.04
+"""Rows with more noise are left out: it would make whole quanta now and then."""
 QUANTUM_CYCLES = 0.5
 """Steps by less than a half of this are seen as they are, signs of data being unknown."""
 AT_ONCE = 1000
@@ -100,7 +102,8 @@ def _satellite(track: SignalTrack) -> tuple[str, int]:
 
 def _steps(track: SignalTrack, count: int) -> Iterator[tuple[int, NDArray[np.float32]]]:
     """By unbroken piece: first place on the grid, and the step there in variances, bounded."""
-    kept = np.flatnonzero(track.state >= State.TRACKING)
+    clear = _variance(track.cn0_dbhz, track.integration_s) < CLEAR_CYCLES**2
+    kept = np.flatnonzero((track.state >= State.TRACKING) & clear)
     time_s, interval_s = track.time_s[kept], track.integration_s[kept]
     phase_cycles = _without_slips(time_s, track.carrier_phase_cycles[kept], track.doppler_hz[kept])
     cn0_dbhz = track.cn0_dbhz[kept]

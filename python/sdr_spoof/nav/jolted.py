@@ -8,13 +8,13 @@ a jolt from its frames. Words that are out of step by whole symbols hold by chan
 
 from __future__ import annotations
 
-from bisect import bisect_left
+from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..signals import satellite_name
 from .bits import PAGE_BITS
-from .missing import DRIFT, LEAST_S, SATELLITES
+from .missing import DRIFT, HEAD, LEAST_S, SATELLITES
 from .steps import WORD
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ def _bridged(jolt: Jolt, signals: Iterable[Sequence[Frame]]) -> bool:
     agree = set()
     for frames in signals:
         after = bisect_left(frames, jolt.until_s, key=lambda f: f.time_s)
-        before = bisect_left(frames, jolt.from_s, key=lambda f: f.time_s)
+        before = bisect_right(frames, jolt.from_s, key=_head_until_s)
         if before == 0 or after == len(frames):
             continue
         a, b = frames[before - 1], frames[after]
@@ -62,6 +62,11 @@ def _bridged(jolt: Jolt, signals: Iterable[Sequence[Frame]]) -> bool:
         if same and passed_s < LONGEST_S:
             agree.add(satellite_name(a.system, a.prn))
     return len(agree) >= SATELLITES
+
+
+def _head_until_s(frame: Frame) -> float:
+    """When a frame has told its time: one that begins before a gap may have told it after."""
+    return frame.time_s + HEAD * frame.duration_s
 
 
 def _in_step(jolt: Jolt, runs: Iterable[Told]) -> bool:
@@ -83,6 +88,6 @@ def _words(jolt: Jolt, frame: Frame, reach: Reach) -> int:
     word_s = frame.duration_s * WORD / PAGE_BITS
     if frame.time_s >= jolt.until_s:
         return sum(start_s + word_s <= jolt.from_s for start_s in reach.before_s)
-    if frame.time_s <= jolt.from_s:
+    if _head_until_s(frame) <= jolt.from_s:
         return sum(end_s - word_s >= jolt.until_s for end_s in reach.after_s)
     return 0
