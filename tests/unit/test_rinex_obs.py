@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import georinex
 import numpy as np
 import pytest
 from observed_tracks import Moving, navigation, observed_log
 
 from sdr_spoof.errors import OutputError
-from sdr_spoof.observables import ObservablesConfig, observe
+from sdr_spoof.observables import ClockPiece, ObservablesConfig, ReceiverClock, observe
 from sdr_spoof.records import SatelliteVerdict, Verdict
-from sdr_spoof.sinks.rinex_obs import write_rinex_obs
+from sdr_spoof.sinks.rinex_obs import UNSETTLED_M, write_rinex_obs
+from sdr_spoof.sources.observed import rinex
 
 SKY = (
     Moving(27, 0.0781234, signals=("B1I", "B1CP", "B1CD")),
@@ -33,12 +36,17 @@ def written(seen, tmp_path_factory):
     return path
 
 
+def settled_m(seen):
+    """Pseudoranges that a file holds."""
+    return np.where(seen.unsettled_m > UNSETTLED_M, np.nan, seen.pseudorange_m)
+
+
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("system", ["C", "G"])
 def test_georinex_reads_every_value_back(seen, written, system):
     read = georinex.load(written, use=system)
     quantities = {
-        "C": seen.pseudorange_m,
+        "C": settled_m(seen),
         "L": seen.carrier_phase_cycles,
         "D": seen.doppler_hz,
         "S": seen.cn0_dbhz,
@@ -110,3 +118,48 @@ def test_the_same_observations_give_the_same_bytes(seen, written, tmp_path):
     assert path.read_bytes() == written.read_bytes()
     with pytest.raises(OutputError, match="--force"):
         write_rinex_obs(path, seen)
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_ranges_after_a_lock_are_blank_and_the_phase_says_why(seen, written):
+    """As georinex reads it, and as we do: no range before the code loop has settled, at the start
+    and after the loss of C30; the phase is there, and its indicator says that it began anew."""
+    (column,) = (i for i, s in enumerate(seen.signals) if (s.prn, s.signal) == (30, "B1I"))
+    settling = np.isfinite(seen.pseudorange_m) & (seen.unsettled_m > UNSETTLED_M)
+    rows = np.flatnonzero(settling[:, column])
+    assert {seen.sample_time_s[r] > 11.0 for r in rows} == {False, True}
+    theirs = georinex.load(written, use="C", useindicators=True).sel(sv="C30")
+    ours = rinex.read(written).observations
+    (own,) = (i for i, s in enumerate(ours.signals) if (s.prn, s.signal) == (30, "B1I"))
+    assert ours.epochs == seen.epochs
+    for ranges, phases, lost in (
+        (theirs["C2I"].values, theirs["L2I"].values, np.nan_to_num(theirs["L2Illi"].values) % 2),
+        (
+            ours.pseudorange_m[:, own],
+            ours.carrier_phase_cycles[:, own],
+            ours.lock_lost[:, own],
+        ),
+    ):
+        assert np.isnan(ranges[rows]).all()
+        again = rows[seen.sample_time_s[rows] > 11.0][0]
+        assert np.isfinite(phases[again]) and lost[again]
+        assert np.isfinite(ranges[seen.unsettled_m[:, column] < UNSETTLED_M]).all()
+    assert "C is blank where it may be off by over 1 m" in written.read_text(encoding="ascii")
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_clock_set_anew_is_a_power_failure(seen, tmp_path):
+    """Where samples are missing, nothing holds across: epoch flag 1, all phases begin anew."""
+    first = ClockPiece(0.0, seen.reference)
+    clock = ReceiverClock((first, replace(first, sample_s=12.25)))
+    path = tmp_path / "anew.rnx"
+    write_rinex_obs(path, replace(seen, clock=clock))
+    (row,) = np.flatnonzero([x[31] == "1" for x in _epoch_lines(path)])
+    assert row == np.searchsorted(seen.sample_time_s, 12.25)
+    ours = rinex.read(path).observations
+    assert ours.lock_lost[row, np.isfinite(ours.carrier_phase_cycles[row])].all()
+    assert georinex.load(path, use="C").sizes["time"] == seen.epochs
+
+
+def _epoch_lines(path):
+    return [x for x in path.read_text(encoding="ascii").splitlines() if x.startswith(">")]

@@ -1,4 +1,4 @@
-"""Jolts of the carriers: found at gaps, silent otherwise, and no gap where messages deny them."""
+"""Phase jumps: found at gaps, silent otherwise, and no gap where messages deny them."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from sdr_spoof import simulate
-from sdr_spoof.jolts import jolts_of
 from sdr_spoof.nav.frames import decode
 from sdr_spoof.nav.time import GnssTime
+from sdr_spoof.phase_jumps import phase_jumps_of
 from sdr_spoof.records import SignalTrack, TrackLog
 from sdr_spoof.scenario import Scenario, builtin_scenario
 from sdr_spoof.studies.gaps import BEGIN, SKIES, Case, received
@@ -36,7 +36,7 @@ def knocked(log: TrackLog, at_s: float, cycles: float) -> TrackLog:
 @pytest.mark.parametrize("cn0_dbhz", [33.0, 45.0])
 def test_silent_without_gaps(cn0_dbhz):
     """Also at the start, while some are not in step yet, and where pilots turn over."""
-    assert jolts_of(tracks(ALL, cn0_dbhz=cn0_dbhz, duration_s=3.0)) == []
+    assert phase_jumps_of(tracks(ALL, cn0_dbhz=cn0_dbhz, duration_s=3.0)) == []
 
 
 def test_silent_in_turns():
@@ -44,24 +44,24 @@ def test_silent_in_turns():
     values = builtin_scenario("sky-moving").model_dump(exclude_unset=True)
     values["recording"]["duration_s"] = 12.0
     scenario = Scenario.model_validate(values)
-    assert jolts_of(simulate(scenario, TrackingConfig())) == []
+    assert phase_jumps_of(simulate(scenario, TrackingConfig())) == []
 
 
 @pytest.mark.parametrize("missing_s", [0.001, 0.0073, 0.02, 0.3])
-def test_every_gap_jolts(missing_s):
+def test_every_gap_jumps(missing_s):
     """Whole symbols or not; the span holds the gap, and is no longer than lines and transients."""
     at_s = 3.7
-    (jolt,) = jolts_of(tracks(gaps=((at_s, missing_s),)))
-    assert jolt.from_s < at_s < jolt.until_s < at_s + 1.0
-    assert at_s - jolt.from_s < 0.2
-    assert jolt.satellites >= 4
+    (jump,) = phase_jumps_of(tracks(gaps=((at_s, missing_s),)))
+    assert jump.from_s < at_s < jump.until_s < at_s + 1.0
+    assert at_s - jump.from_s < 0.2
+    assert jump.satellites >= 4
 
 
-def test_one_satellite_is_no_jolt():
+def test_one_satellite_is_no_jump():
     log = tracks()
     first, *others = log.signals
     one = knocked(replace(log, signals=(first,)), 4.0, 0.2)
-    assert jolts_of(replace(log, signals=(*one.signals, *others))) == []
+    assert phase_jumps_of(replace(log, signals=(*one.signals, *others))) == []
 
 
 def test_messages_deny_a_knock():
@@ -71,8 +71,8 @@ def test_messages_deny_a_knock():
     before = decode(log, near).anchors
     for at_s in (0.9, 5.0, 13.9):
         shaken = knocked(log, at_s, 0.2)
-        (jolt,) = jolts_of(shaken)
-        assert jolt.from_s < at_s < jolt.until_s
+        (jump,) = phase_jumps_of(shaken)
+        assert jump.from_s < at_s < jump.until_s
         told = decode(shaken, near)
         noted = any("jumped at once" in n for n in told.notes)
         held = [(a.from_s, a.until_s) for a in told.anchors]

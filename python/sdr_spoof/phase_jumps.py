@@ -10,7 +10,7 @@ bounded so that no single signal decides, is summed over all signals: chi-square
 happens.
 
 This alone proves nothing, the receiver's oscillator may have been knocked: words and frames either
-side say whether samples are missing (:mod:`sdr_spoof.nav.missing`).
+side say whether samples are missing (:mod:`sdr_spoof.nav.possible_gaps`).
 """
 
 from __future__ import annotations
@@ -50,12 +50,14 @@ MOST = 30.0
 """No signal counts for more than this, in variances."""
 STANDS_OUT = 9.0
 """Signals with more than this are named, in variances."""
+FOLLOWING_S = 0.75
+"""Three time constants of a code loop of 1 Hz: what is left of 200 m shows in its discriminator."""
 FALSE_ALARM = 1e-12
 """Of one instant; there are 360 000 in an hour."""
 
 
 @dataclass(frozen=True)
-class Jolt:
+class PhaseJump:
     """The phases of several satellites stepped at one instant, somewhere between two."""
 
     from_s: float
@@ -65,12 +67,12 @@ class Jolt:
 
     @property
     def span(self) -> Span:
-        """The two instants."""
-        return self.from_s, self.until_s
+        """From the one until the code loops have followed: codes jump too, by up to 1 m in 1 ms."""
+        return self.from_s, self.until_s + FOLLOWING_S
 
 
-def jolts_of(log: TrackLog) -> list[Jolt]:
-    """Jolts of a recording, in order; those nearer than their own length are one."""
+def phase_jumps_of(log: TrackLog) -> list[PhaseJump]:
+    """Phase jumps of a recording, in order; those nearer than their own length are one."""
     count = int(log.duration_s / GRID_S) + 2
     total, signals = np.zeros(count, np.float32), np.zeros(count, np.intp)
     told = np.zeros(count, np.intp)
@@ -86,7 +88,7 @@ def jolts_of(log: TrackLog) -> list[Jolt]:
     rows = np.flatnonzero((total > most[signals]) & (told >= FEWEST + 1))
     groups = np.split(rows, np.flatnonzero(np.diff(rows) * GRID_S > REACH_S) + 1)
     return [
-        Jolt(
+        PhaseJump(
             max(float(g[0]) * GRID_S - REACH_S, 0.0),
             float(g[-1]) * GRID_S + REACH_S,
             int(told[g].max()),
@@ -178,10 +180,10 @@ def _variance(
     return np.asarray((1.0 + 0.5 / snr) / (8.0 * np.pi**2 * snr))
 
 
-def sentences(jolts: Iterable[Jolt]) -> list[str]:
+def sentences(jumps: Iterable[PhaseJump]) -> list[str]:
     """What is to be said of them."""
     return [
         f"the carriers of {j.satellites} satellites jumped at once between {j.from_s:.2f} and "
         f"{j.until_s:.2f} s: samples may be missing there; no time holds across"
-        for j in jolts
+        for j in jumps
     ]
