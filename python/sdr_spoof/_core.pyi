@@ -67,6 +67,27 @@ class Emitter:
     def data_symbols(self, index: NDArray[np.int64]) -> NDArray[np.int8]: ...
 
 @final
+class GainControl:
+    def __new__(
+        cls,
+        sample_format: str,
+        sample_rate_hz: float,
+        lo_hz: float,
+        emitters: Sequence[Emitter],
+        *,
+        duration_s: float,
+        time_constant_s: float,
+        update_s: float,
+        range_db: tuple[float, float],
+        noise_db: Sequence[tuple[float, float]] = ...,
+        bandwidth_hz: float | None = ...,
+        centre_hz: float | None = ...,
+        filter_taps: int = ...,
+    ) -> Self: ...
+    def gain_db(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]: ...
+    def input_db(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]: ...
+
+@final
 class Synthesizer:
     def __new__(
         cls,
@@ -81,6 +102,8 @@ class Synthesizer:
         bandwidth_hz: float | None = ...,
         centre_hz: float | None = ...,
         filter_taps: int = ...,
+        noise_db: Sequence[tuple[float, float]] = ...,
+        gain: GainControl | None = ...,
         threads: int = ...,
     ) -> Self: ...
     def generate(self, start_sample: int, count: int) -> NDArray[np.uint8]: ...
@@ -169,6 +192,8 @@ class Simulator:
         reacquire: bool = True,
         threads: int = 1,
         gaps: Sequence[tuple[float, float]] = ...,
+        noise_db: Sequence[tuple[float, float]] = ...,
+        gain: GainControl | None = ...,
     ) -> Simulator: ...
     def advance(self, end: int) -> None: ...
     def position(self) -> int: ...

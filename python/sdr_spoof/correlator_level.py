@@ -17,6 +17,7 @@ from .isolation import isolation_marks
 from .records import ComboTrack, SignalTrack, TrackLog
 from .row_store import RowStore
 from .scenario import transmissions
+from .scenario.agc import gain_control, gain_log, noise_knots
 from .sources import RecordingFormat
 from .tracking import TrackingConfig, breaks_of, core_settings, watched
 
@@ -94,6 +95,7 @@ def simulate(
         signals=rows.tracks(SignalTrack),
         combos=rows.tracks(ComboTrack),
         breaks=breaks_of(simulator),
+        gain=gain_log(plan, _emitters(scenario), plan.duration_s) if plan.agc else None,
     )
 
 
@@ -105,12 +107,13 @@ def core_simulator(
 ) -> _core.Simulator:
     """The core's part, which runs as far as it is told to and hands its rows out."""
     plan, on_air = scenario.recording, transmissions(scenario)
+    emitters = [t.emitter for t in on_air]
     try:
         return _core.Simulator(
             plan.sample_rate_hz,
             plan.lo_hz,
             core_settings(config, _format(plan)),
-            [t.emitter for t in on_air],
+            emitters,
             _targets(on_air),
             noise_power=plan.rms_lsb**2 * (2 if plan.is_complex else 1),
             seed=plan.seed,
@@ -121,9 +124,15 @@ def core_simulator(
             reacquire=config.reacquire,
             threads=threads,
             gaps=sorted(gaps),
+            noise_db=noise_knots(plan),
+            gain=gain_control(plan, emitters),
         )
     except ValueError as error:
         raise ConfigError(str(error)) from error
+
+
+def _emitters(scenario: Scenario) -> list[_core.Emitter]:
+    return [t.emitter for t in transmissions(scenario)]
 
 
 def _format(plan: RecordingPlan) -> RecordingFormat:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from .gain import GainLog
     from .gaps import CountBreak
 
 
@@ -229,6 +230,8 @@ class TrackLog:
     second_peaks: tuple[SecondPeak, ...] = ()
     """Searches for second signals of the tracked satellites, where there were any."""
     breaks: tuple[CountBreak, ...] = ()
+    gain: GainLog | None = None
+    """Gain of the recorder, where it was logged; taps and noise power contain it."""
 
 
 @dataclass(frozen=True)

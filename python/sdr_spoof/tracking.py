@@ -169,6 +169,7 @@ def track(
         signals=rows.tracks(SignalTrack),
         combos=rows.tracks(ComboTrack),
         breaks=breaks_of(tracker),
+        gain=recording.gain,
     )
 
 

@@ -26,7 +26,8 @@ def arguments(recordings: list[str]) -> list[str]:
 
 def test_the_counterfeit_is_told_from_the_satellites(recordings: list[str], tmp_path: Path) -> None:
     out = tmp_path / "report"
-    done = run(*arguments(recordings), "--nav", str(DEFAULT), "-o", str(out), "--json")
+    more = ("--nav", str(DEFAULT), "--lines", "0,0", "-o", str(out), "--json")
+    done = run(*arguments(recordings), *more)
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout)
     assert told["orbits_known"]
@@ -34,8 +35,11 @@ def test_the_counterfeit_is_told_from_the_satellites(recordings: list[str], tmp_
     assert verdicts == {"G11": "spoofed"} | dict.fromkeys(("G06", "G17", "G19", "G20"), "clean")
     assert (out / "array.png").read_bytes().startswith(b"\x89PNG")
     rows = (out / "array.csv").read_text().splitlines()
-    assert rows[0] == "satellite,signal,time_s,way_m,score,p_value,threshold"
-    assert len(rows) - 1 == sum(s["tests"] for s in told["satellites"])
+    assert rows[0] == "satellite,signal,time_s,way_m,score,p_value,threshold,test"
+    assert len(rows) - 1 == sum(s["tests"] + s["arrivals"] for s in told["satellites"])
+    report = (out / "report.html").read_text()
+    assert "G11 L1CA does not come from its satellite" in report
+    assert "did not come from where the satellite is" in report
 
 
 def test_mistakes_are_named(
@@ -48,6 +52,9 @@ def test_mistakes_are_named(
     assert "--vehicle: missing" in message(*good[:-2])
     assert "one line" in message(*good, "--elements", "0,0,0;1,0,0;2,0,0")
     assert "--elements" in message(*good, "--elements", "0,0;x")
+    assert "--lines: directions of arrival need" in message(*good, "--lines", "0,0")
+    assert "1 calibrated lines" in message(*good, "--lines", "0")
+    assert "is not a number of m" in message(*good, "--lines", "0,x")
     assert "2 recordings for an array of 3" in message(
         "array", *recordings[:2], "--elements", ELEMENTS, "--vehicle", good[-1]
     )

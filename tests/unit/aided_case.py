@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sdr_spoof.aided.judge import judge
-from sdr_spoof.aided.records import AidedTrack, Guard, Monitor, Use
+from sdr_spoof.aided.records import AidedTrack, Guard, Monitor, SmoothedTrack, Use
 from sdr_spoof.aided.run import Aided
 from sdr_spoof.aiding import simulated as sim
 from sdr_spoof.nav.geodesy import enu_matrix, geodetic_to_ecef
@@ -54,6 +54,11 @@ def track(guard=None, use=None) -> AidedTrack:
         use,
         guard,
     )
+
+
+def smoothed() -> SmoothedTrack:
+    still = np.zeros((EPOCHS, 3))
+    return SmoothedTrack(truth_m() + 0.1 * AXES[0], still, still, 0.2 * np.ones((EPOCHS, 3)))
 
 
 def monitor(name="codes", unit="", alarm_s=None, log10_p=-9.0, tested=EPOCHS) -> Monitor:

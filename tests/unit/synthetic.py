@@ -18,6 +18,7 @@ class Synthetic:
 
     def __init__(self, emitters, duration_s, *, rate_hz=RATE_HZ, lo_hz=LO_HZ, seed=5):
         self.path = Path("synthetic")
+        self.gain = None
         self.format = RecordingFormat(sample_format="ci8", sample_rate_hz=rate_hz, lo_hz=lo_hz)
         self.sample_count = round(duration_s * rate_hz)
         self._synthesizer = _core.Synthesizer(

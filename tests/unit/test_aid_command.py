@@ -88,8 +88,10 @@ def failing(capsys, code):
 def test_three_satellites_are_named(files, tmp_path, capsys):
     folder, names = files
     out = tmp_path / "out"
-    assert aid(files, "-o", out, "--attitude", heading(), "--json") == 0
+    assert aid(files, "-o", out, "--attitude", heading(), "--smooth", "--json") == 0
     data = json.loads(capsys.readouterr().out)
+    assert data["config"]["tight"]["smooth"] is True
+    assert "smoothed_latitude_deg" in (out / "aided.csv").read_text().splitlines()[0]
     assert data["verdict"]["verdict"] == "spoofed"
     assert data["verdict"]["satellites"] == names
     assert 75 < data["verdict"]["onset_s"] < 85

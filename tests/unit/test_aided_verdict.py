@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 
 import aided_case as case
 import h5py
 import numpy as np
 import pytest
 
-from sdr_spoof.aided.files import COLUMNS, write_csv, write_hdf5
+from sdr_spoof.aided.files import COLUMNS, SMOOTHED, write_csv, write_hdf5
 from sdr_spoof.aided.judge import judge
 from sdr_spoof.aided.records import Guard, Use
+from sdr_spoof.aided.session import Session
+from sdr_spoof.config import Config
 from sdr_spoof.errors import OutputError
 from sdr_spoof.nav.geodesy import geodetic_to_ecef
 from sdr_spoof.report import aided_words as words
@@ -97,6 +100,27 @@ def test_every_epoch_is_a_row_of_the_csv(tmp_path):
     assert row["used"].split() == ["C19", "C25", "C30", "C37", "G05", "G12"]
     with pytest.raises(OutputError, match="--force"):
         write_csv(path, case.track())
+
+
+def test_a_smoothed_track_is_in_all_files(tmp_path):
+    found = replace(case.aided(), track=replace(case.track(), smoothed=case.smoothed()))
+    write_csv(tmp_path / "a.csv", found.track)
+    rows = list(csv.DictReader((tmp_path / "a.csv").read_text().splitlines()))
+    assert tuple(rows[0]) == (*COLUMNS, *SMOOTHED)
+    place = [
+        float(rows[80][f"smoothed_{c}"]) for c in ("latitude_deg", "longitude_deg", "height_m")
+    ]
+    assert np.linalg.norm(geodetic_to_ecef(place) - case.smoothed().position_m[80]) < 2e-3
+    assert rows[80]["smoothed_sigma_up_m"] == "0.200"
+    write_hdf5(tmp_path / "a.h5", found, {})
+    with h5py.File(tmp_path / "a.h5") as file:
+        np.testing.assert_array_equal(file["track/smoothed/position_m"], case.smoothed().position_m)
+    path = tmp_path / "aided.html"
+    write_aided_report(path, found, names=("a", "b"), config={}, truth_m=case.truth_m())
+    text = path.read_text(encoding="utf-8")
+    assert text.count("Smoothed: what is known afterwards") == 2
+    session = Session(found, Config(), ("a", "b"), truth_m=case.truth_m())
+    assert session.error_m["smoothed"] == pytest.approx(0.1)
 
 
 def test_hdf5_holds_every_record(tmp_path):

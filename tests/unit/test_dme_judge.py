@@ -21,6 +21,8 @@ from sdr_spoof.aiding.simulated import (
 from sdr_spoof.errors import AidingError
 from sdr_spoof.nav.geodesy import enu_matrix, geodetic_to_ecef
 from sdr_spoof.nav.time import GnssTime
+from sdr_spoof.report import sequential_words as words
+from sdr_spoof.report.sequential import sequential_page
 
 PLACE = np.array([34.0, 108.0, 10_000.0])
 SKY = ((20, 72), (70, 36), (150, 42), (230, 34), (310, 47), (100, 60), (275, 25))
@@ -98,6 +100,13 @@ def test_a_captured_ins_is_seen_by_dme():
     assert 100.0 < found.alarm_s < 220.0
     assert {t.test for t in found.tested if t.decided} == {"dme-difference"}
     assert judge(spoofed, captured).alarm_s is None
+    said = list(words.sentences(found))
+    assert said[0].startswith("All satellites alike, and the INS with them, since")
+    assert "neither GNSS nor what it makes" in words.action(found)
+    named = {"name": "x", "by": ("i",), "reference": START, "picture": b""}
+    page = sequential_page(found, (), SequentialConfig(), **named)
+    verdicts = {r.cells[1] for p in page.parts if p.table for r in p.table.rows}
+    assert {"contradicts them", "contradicted by DME"} < verdicts
 
 
 def test_a_clock_jump_is_no_attack():
@@ -152,6 +161,7 @@ def test_a_coloured_reference_is_refused():
     shaken = ins.position_m + np.outer(waves, enu_matrix(*PLACE[:2])[1])
     found = judge(measurements, dataclasses.replace(ins, position_m=shaken), dme)
     assert any("does not judge" in note for note in found.notes)
+    assert "channels" in words.tested(found)
 
 
 def test_files_come_back(tmp_path):

@@ -29,6 +29,7 @@ class Repeating:
         from sdr_spoof.sources import RecordingFormat  # noqa: PLC0415
 
         self.path = Path("repeating")
+        self.gain = None
         self.format = RecordingFormat(sample_format="ci8", sample_rate_hz=RATE_HZ, lo_hz=LO_HZ)
         self.sample_count = round(duration_s * RATE_HZ)
         emitters = [_core.Emitter("B1I", prn, 50.0, delay_s=0.07 + 71e-6 * prn) for prn in prns()]

@@ -64,6 +64,12 @@ def test_the_satellite_is_named(files, tmp_path, capsys):
     assert not data["ins_captured"]
     assert data["tested"] == 17
     assert np.linalg.norm(data["fix_off_without_m"]) < np.linalg.norm(data["fix_off_m"])
+    report = (out / "report.html").read_text(encoding="utf-8")
+    assert report.count("data:image/png") == 2
+    for expected in ("Spoofing detected", f"{name}, since", "drawn by the others", "DME 1 - 2"):
+        assert expected in report
+    for expected in ("against ins.csv and dme.csv", "sequential.rule", "false trajectory"):
+        assert expected in report
     assert (out / "sequential.png").read_bytes().startswith(b"\x89PNG")
     rows = (out / "sequential.csv").read_text().splitlines()
     assert rows[0] == "test,channel,time_s,sample_sigmas,statistic,threshold"
@@ -72,9 +78,22 @@ def test_the_satellite_is_named(files, tmp_path, capsys):
     assert "add --force" in capsys.readouterr().err
 
 
-def test_a_clean_flight_in_words(files, capsys):
-    assert sequential(files, "--sequential-rule", "cusum", observations="clean.rnx") == 0
-    assert "Verdict: clean" in capsys.readouterr().out
+def test_a_clean_flight_in_words(files, tmp_path, capsys):
+    words = ("--sequential-rule", "cusum", "-o", tmp_path / "out")
+    assert sequential(files, *words, observations="clean.rnx") == 0
+    said = capsys.readouterr().out
+    assert "Verdict: clean" in said and "report.html" in said
+    report = (tmp_path / "out/report.html").read_text(encoding="utf-8")
+    assert "No spoofing found" in report and "no test has alarmed" in report
+
+
+def test_an_ins_of_a_grade(files, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert sequential(files, "--ins-grade", "navigation", "-o", out, "--json") == 0
+    assert json.loads(capsys.readouterr().out)["satellites"] == [files[1]]
+    assert "a free one of grade “navigation”" in (out / "report.html").read_text(encoding="utf-8")
+    assert sequential(files, "--ins-grade", "best") != 0
+    assert "no IMU grade 'best'" in capsys.readouterr().err
 
 
 def test_what_is_wrong_is_said(files, tmp_path, capsys):

@@ -5,47 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from pydantic import ValidationError
+from tight_voyage import CONFIG, distance, made, measured, start
 
-from sdr_spoof.aiding.imu.simulate import ideal_increments, true_states
-from sdr_spoof.aiding.simulated import clock_drag, fixed, range_pull, simulate, velocity_drag
-from sdr_spoof.aiding.tight import STATES, TESTS, Start, TightConfig, as_published, run, run_many
+from sdr_spoof.aiding.simulated import clock_drag, range_pull, velocity_drag
+from sdr_spoof.aiding.tight import STATES, TESTS, TightConfig, as_published, run, run_many
 from sdr_spoof.aiding.tight.solution import FLOOR
 from sdr_spoof.errors import AidingError
-from sdr_spoof.scenario.sky.ship import Ship
-
-SKY = [(14, 49), (30, 70), (81, 16), (112, 34), (133, 19), (155, 52), (239, 70), (303, 40)]
-SECONDS = 200.0
-CONFIG = TightConfig(clock_drift_m2_s3=0.0004)
 
 
 @pytest.fixture(scope="module")
 def voyage():
-    ship = Ship(kind="ship", seed=4, latitude_deg=30.5, longitude_deg=122.3)
-    trajectory = ship.trajectory(SECONDS)
-    time_s = np.arange(0.0, SECONDS, 1.0)
-    truth = true_states(trajectory, time_s)
-    return ideal_increments(trajectory, SECONDS, 100.0), truth
-
-
-def measured(voyage, *attacks, seed=3):
-    truth = voyage[1]
-    sky = fixed(truth.time_s, truth.position_m[0], SKY)
-    moving = (truth.position_m, truth.velocity_m_s)
-    return simulate(moving, sky, truth.time_s, attacks=attacks, seed=seed).run()
-
-
-def start(voyage):
-    truth = voyage[1]
-    return Start(
-        0.0,
-        tuple(truth.position_m[0]),
-        tuple(truth.velocity_m_s[0]),
-        tuple(truth.attitude_rad[0]),
-    )
-
-
-def distance(solution, voyage):
-    return np.linalg.norm(solution.error_ned_m(voyage[1].position_m)[:, :2], axis=1)
+    return made()
 
 
 def test_clean_run_is_trusted_and_accurate(voyage):

@@ -43,13 +43,9 @@ def on_one_clock(log: ImuLog, measurements: Measurements) -> ImuLog:
     last = min(shifted.time_s[-1], measurements.time_s[-1])
     if last - first < LEAST_S:
         raise AidingError(_apart(shifted, measurements, ours))
-    rows = (shifted.time_s >= first - log.interval_s) & (shifted.time_s <= last + log.interval_s)
-    return replace(
-        shifted,
-        time_s=shifted.time_s[rows],
-        rotation_rad=shifted.rotation_rad[rows],
-        velocity_m_s=shifted.velocity_m_s[rows],
-    )
+    begin, end = first - log.interval_s, last + log.interval_s
+    rows = np.searchsorted(shifted.time_s, begin), np.searchsorted(shifted.time_s, end, "right")
+    return shifted.part(int(rows[0]), int(rows[1]))
 
 
 def _apart(log: ImuLog, measurements: Measurements, reference: GnssTime | None) -> str:

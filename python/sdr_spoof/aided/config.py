@@ -27,8 +27,8 @@ class AidedConfig(BaseModel):
     )
     attitude_deg: tuple[float, float, float] | None = Field(
         None,
-        description="Yaw (from north to east), pitch and roll at the start, in degrees; none: "
-        "found by alignment.",
+        description="Yaw (from north to east), pitch and roll at the first epoch of GNSS, in "
+        "degrees; none: found by alignment.",
     )
     align_s: float = Field(
         60.0, ge=5.0, description="At most so much of the beginning is used to align, in s."

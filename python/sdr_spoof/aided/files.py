@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from pathlib import Path
 
-    from .records import AidedTrack
+    from .records import AidedTrack, SmoothedTrack
     from .run import Aided
 
 FORMAT_VERSION = 1
@@ -31,6 +31,12 @@ COLUMNS = (
     "up_m_s", "yaw_deg", "pitch_deg", "roll_deg", "sigma_east_m", "sigma_north_m", "sigma_up_m",
     "horizontal_level_m", "vertical_level_m", "gnss_alone_off_m", "filter", "used", "left_out",
 )  # fmt: skip
+SMOOTHED = (
+    "smoothed_latitude_deg", "smoothed_longitude_deg", "smoothed_height_m", "smoothed_east_m_s",
+    "smoothed_north_m_s", "smoothed_up_m_s", "smoothed_yaw_deg", "smoothed_pitch_deg",
+    "smoothed_roll_deg", "smoothed_sigma_east_m", "smoothed_sigma_north_m", "smoothed_sigma_up_m",
+)  # fmt: skip
+"""Columns behind those, of a track that was smoothed."""
 
 
 def write_hdf5(path: Path, aided: Aided, config: Mapping[str, Any], *, force: bool = False) -> None:
@@ -60,35 +66,39 @@ def write_csv(path: Path, track: AidedTrack, *, force: bool = False) -> None:
     """
     text = io.StringIO()
     table = csv.writer(text)
-    table.writerow(COLUMNS)
-    table.writerows(_rows(track))
+    smoothed = track.smoothed
+    table.writerow(COLUMNS if smoothed is None else (*COLUMNS, *SMOOTHED))
+    for e, row in enumerate(_rows(track)):
+        table.writerow(row if smoothed is None else [*row, *_state(smoothed, e)])
     write_bytes(path, text.getvalue().encode(), force=force)
 
 
 def _rows(track: AidedTrack) -> Iterator[list[str]]:
-    places = ecef_to_geodetic(track.position_m)
     off = np.linalg.norm(track.alone_m - track.position_m, axis=1)
-    for e, place in enumerate(places):
+    for e in range(len(track.time_s)):
         time = track.reference + float(track.time_s[e])
         week, tow_s = time.week_tow()
         date = time.calendar().replace(tzinfo=None).isoformat(timespec="microseconds")
-        known = bool(np.isfinite(place).all())
-        axes = enu_matrix(*place[:2]) if known else np.full((3, 3), np.nan)
-        numbers = [
-            *((place[0], 9), (place[1], 9), (place[2], 3)),
-            *((v, 4) for v in axes @ track.velocity_m_s[e]),
-            *((v, 4) for v in np.degrees(track.attitude_rad[e])),
-            *((v, 3) for v in track.sigma_enu_m[e]),
-            *((v, 3) for v in (track.horizontal_m[e], track.vertical_m[e], off[e])),
-        ]
         used = track.use[e] == Use.USED
         out = (track.use[e] == Use.EXCLUDED) | (track.use[e] == Use.NAMED)
         yield [
             *(date, str(week), f"{tow_s:.6f}"),
-            *(_number(value, digits) for value, digits in numbers),
+            *_state(track, e),
+            *(_number(v, 3) for v in (track.horizontal_m[e], track.vertical_m[e], off[e])),
             Guard(track.guard[e]).name.lower(),
             *(" ".join(np.array(track.satellites)[which]) for which in (used, out)),
         ]
+
+
+def _state(track: AidedTrack | SmoothedTrack, e: int) -> Iterator[str]:
+    """Place, velocity, attitude and standard deviations of an epoch."""
+    place = ecef_to_geodetic(track.position_m[e])
+    known = bool(np.isfinite(place).all())
+    axes = enu_matrix(*place[:2]) if known else np.full((3, 3), np.nan)
+    yield from (_number(v, d) for v, d in zip(place, (9, 9, 3), strict=True))
+    yield from (_number(v, 4) for v in axes @ track.velocity_m_s[e])
+    yield from (_number(v, 4) for v in np.degrees(track.attitude_rad[e]))
+    yield from (_number(v, 3) for v in track.sigma_enu_m[e])
 
 
 def _number(value: float, digits: int) -> str:

@@ -15,13 +15,13 @@ from sdr_spoof.scenario.sky.earth import enu_axes
 from sdr_spoof.scenario.sky.trajectory import rotations
 
 from . import alone
-from .records import AidedTrack, Guard, Monitor, Use
+from .records import AidedTrack, Guard, Monitor, SmoothedTrack, Use
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from sdr_spoof.aiding.records import Measurements
-    from sdr_spoof.aiding.tight import TightConfig, TightSolution
+    from sdr_spoof.aiding.tight import Smoothed, TightConfig, TightSolution
 
     Floats = NDArray[np.float64]
 
@@ -62,17 +62,36 @@ def track_of(solution: TightSolution, measurements: Measurements, risk: float) -
         position_m=_antenna(solution, measurements.lever_arm_m) * valid[:, None],
         velocity_m_s=body_velocity(solution) * valid[:, None],
         attitude_rad=solution.attitude_rad * valid[:, None],
-        sigma_enu_m=np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))[:, [1, 0, 2]],
+        sigma_enu_m=_sigma_enu(covariance),
         horizontal_m=math.sqrt(-2 * math.log(risk)) * np.sqrt(horizontal),
         vertical_m=float(norm.isf(risk / 2)) * np.sqrt(covariance[:, 2, 2]),
         alone_m=alone.places(measurements),
         satellites=solution.satellites,
         use=use.astype(np.uint8),
         guard=solution.state,
+        smoothed=_smoothed(solution.smoothed, measurements.lever_arm_m),
     )
 
 
-def body_velocity(solution: TightSolution) -> Floats:
+def _smoothed(
+    found: Smoothed | None, lever_arm_m: tuple[float, float, float]
+) -> SmoothedTrack | None:
+    if found is None:
+        return None
+    return SmoothedTrack(
+        position_m=_antenna(found, lever_arm_m),
+        velocity_m_s=body_velocity(found),
+        attitude_rad=found.attitude_rad,
+        sigma_enu_m=_sigma_enu(found.covariance[:, 0]),
+    )
+
+
+def _sigma_enu(covariance: Floats) -> Floats:
+    """East, north, up from variances north, east, down (E, 3)."""
+    return np.asarray(np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))[:, [1, 0, 2]])
+
+
+def body_velocity(solution: TightSolution | Smoothed) -> Floats:
     """Earth-fixed velocity of the INS (E, 3)."""
     return _earth_fixed(solution.velocity_ned_m_s, solution.position_m)
 
@@ -153,7 +172,7 @@ def _largest(covariance: Floats) -> Floats:
     )
 
 
-def _antenna(solution: TightSolution, lever_arm_m: tuple[float, float, float]) -> Floats:
+def _antenna(solution: TightSolution | Smoothed, lever_arm_m: tuple[float, float, float]) -> Floats:
     if not any(lever_arm_m):
         return solution.position_m
     ned = rotations(np.nan_to_num(solution.attitude_rad)) @ np.array(lever_arm_m)

@@ -3,7 +3,9 @@
 1. **spoofed**: the filter has left satellites out, or a test of rates has alarmed. Unless the
    filter has taken all its alarms back, since everything agreed again soon after, and no test of
    rates alarmed: then it is
-2. **suspect**.
+2. **suspect**. So is an alarm that names nobody while IMU and GNSS have not fitted from the
+   beginning (:mod:`.agreement`): a wrong lever arm, for instance, looks like spoofing of all.
+   Where some satellites are named, the others agree with the IMU, which so is right.
 3. **clean**: no alarm, and something could be tested for ``min_tested_s``.
 4. **not enough support**: anything else, such as an INS that is too old to be a witness.
 
@@ -60,6 +62,8 @@ class AidedVerdict:
     """In words, what the tests cannot see."""
     heeded: tuple[str, ...] = ()
     """RINEX names of satellites left out because the receiver's own detectors call them spoofed."""
+    doubt: str = ""
+    """What else the alarms may come from, and is to be mended first; in a sentence."""
 
 
 def judge(
@@ -113,7 +117,7 @@ def judge(
     return replace(
         quiet,
         verdict=verdict,
-        reason=_reason(alarmed, names, everybody, verdict),
+        reason=_reason(alarmed, names, everybody, verdict, quiet.heeded),
         onset_s=onset_s,
         alarm_s=alarm_s,
         satellites=names,
@@ -121,6 +125,14 @@ def judge(
         severity_m=_severity_m(track, onset_s),
         confidence=_confidence(alarmed, tests),
     )
+
+
+def doubted(verdict: AidedVerdict, why: str) -> AidedVerdict:
+    """The same, where something else than spoofing may be behind the alarms."""
+    known = replace(verdict, doubt=why, notes=(why, *verdict.notes))
+    if verdict.verdict not in (SPOOFED, SUSPECT) or verdict.satellites:
+        return known
+    return replace(known, verdict=SUSPECT, reason=f"{verdict.reason}; but {why}, and judge again")
 
 
 def _tested_s(monitor: Monitor) -> float:
@@ -170,7 +182,11 @@ def _confidence(alarmed: Sequence[Monitor], tests: float) -> float | None:
 
 
 def _reason(
-    alarmed: Sequence[Monitor], names: tuple[str, ...], everybody: bool, verdict: str
+    alarmed: Sequence[Monitor],
+    names: tuple[str, ...],
+    everybody: bool,
+    verdict: str,
+    heeded: tuple[str, ...],
 ) -> str:
     parts = []
     if alarmed:
@@ -180,7 +196,10 @@ def _reason(
         if others:
             parts.append(f"also {', '.join(others)}")
     if names:
-        parts.append(f"without {', '.join(names)} the others agree with the INS")
+        others = [name for name in heeded if name not in names]
+        known = f", and without {', '.join(others)}, which the receiver itself names,"
+        without = f"without {', '.join(names)}{known if others else ''}"
+        parts.append(f"{without} the others agree with the INS")
     if everybody:
         parts.append("no small set of satellites explains it, so that none was believed")
     if verdict == SUSPECT:

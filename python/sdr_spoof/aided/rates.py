@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +14,10 @@ from sdr_spoof.signals import satellite_name
 from .records import Monitor
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
     from sdr_spoof.aiding.records import InertialStates, Measurements
     from sdr_spoof.config import Config
     from sdr_spoof.detectors.series import StatisticSeries
@@ -57,6 +61,42 @@ def examine(measurements: Measurements, states: InertialStates, config: Config) 
             notes |= dict.fromkeys(f"{detector.title}: {note}" for note in series.notes)
             tests += series.tested_s() / series.window_s if series.time_s.size else 0.0
     return Rates(tuple(monitors), tuple(residuals), tuple(notes), tuple(limits), tests)
+
+
+def joined(parts: Sequence[Rates], time_s: NDArray[np.float64]) -> Rates:
+    """Stretches of a recording as one, on all its epochs."""
+    return Rates(
+        _monitors([part.monitors for part in parts], time_s),
+        _monitors([part.residuals for part in parts], time_s),
+        tuple(dict.fromkeys(note for part in parts for note in part.notes)),
+        parts[0].limits,
+        sum(part.tests for part in parts),
+    )
+
+
+def _monitors(
+    parts: Sequence[tuple[Monitor, ...]], time_s: NDArray[np.float64]
+) -> tuple[Monitor, ...]:
+    """Those of one name as one; the first alarm stays."""
+    by_name: dict[str, list[Monitor]] = {}
+    for monitor in (m for part in parts for m in part):
+        by_name.setdefault(monitor.name, []).append(monitor)
+    return tuple(_one(found, time_s) for found in by_name.values())
+
+
+def _one(found: Sequence[Monitor], time_s: NDArray[np.float64]) -> Monitor:
+    value, threshold = np.full((2, time_s.size), np.nan)
+    for part in found:
+        rows = np.searchsorted(time_s, part.time_s - 1e-6)
+        value[rows], threshold[rows] = part.value, part.threshold
+    alarmed = next((m for m in found if m.alarm_s is not None), found[0])
+    return replace(
+        alarmed,
+        time_s=time_s,
+        value=value,
+        threshold=threshold,
+        log10_p=min(m.log10_p for m in found),
+    )
 
 
 def _is_axis(series: StatisticSeries) -> bool:

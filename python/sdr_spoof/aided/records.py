@@ -69,6 +69,20 @@ class Monitor:
 
 
 @dataclass(frozen=True)
+class SmoothedTrack:
+    """The antenna at E epochs by everything that was measured, also later; NaN without an INS."""
+
+    position_m: NDArray[np.float64]
+    """Earth-fixed, (E, 3)."""
+    velocity_m_s: NDArray[np.float64]
+    """Likewise."""
+    attitude_rad: NDArray[np.float64]
+    """Yaw, pitch, roll, (E, 3)."""
+    sigma_enu_m: NDArray[np.float64]
+    """East, north, up, (E, 3)."""
+
+
+@dataclass(frozen=True)
 class AidedTrack:
     """E epochs of S satellites."""
 
@@ -95,6 +109,8 @@ class AidedTrack:
     """Values of :class:`Use`, (E, S)."""
     guard: NDArray[np.uint8]
     """Values of :class:`Guard`, (E,)."""
+    smoothed: SmoothedTrack | None = None
+    """None unless it was asked for."""
 
     def excluded(self) -> dict[str, tuple[tuple[float, float], ...]]:
         """Stretches (from, until) in s in which each satellite was left out."""

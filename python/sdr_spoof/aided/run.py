@@ -1,7 +1,7 @@
 """From measurements and increments to places, alarms and a verdict.
 
-The filter runs first. The free INS, whose rates are compared with those of carrier phase, starts
-from what the filter knows when it has settled, and its uncertainty then is that of the filter.
+The filter runs first; the free INS, whose rates are compared with those of carrier phase, starts
+from what it knows (:mod:`.free`).
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ import numpy as np
 
 from sdr_spoof.aiding.imu.grades import DEG_HOUR, DEG_ROOT_HOUR, MICRO_G, named
 from sdr_spoof.aiding.records import InertialStates
-from sdr_spoof.aiding.strapdown import navigate
 from sdr_spoof.aiding.tight import run as run_filter
 from sdr_spoof.aiding.tight.solution import FLOOR
 from sdr_spoof.errors import AidingError
@@ -22,16 +21,18 @@ from sdr_spoof.progress import silent
 from sdr_spoof.scenario.sky.clock import ALLAN
 from sdr_spoof.signals import LIGHT_M_S
 
+from . import agreement, free
 from .clocks import on_one_clock
-from .filtered import body_velocity, monitors_of, published_of, three_way, track_of
-from .judge import judge
-from .rates import Rates, examine
+from .filtered import monitors_of, published_of, three_way, track_of
+from .judge import doubted, judge
 from .start import begin
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from sdr_spoof.aiding.error_growth import AlignmentSigma
     from sdr_spoof.aiding.records import ImuLog, Measurements
-    from sdr_spoof.aiding.tight import TightConfig, TightSolution
+    from sdr_spoof.aiding.tight import Start, TightConfig, TightSolution
     from sdr_spoof.config import Config
     from sdr_spoof.nav.time import GnssTime
     from sdr_spoof.progress import Stages
@@ -41,8 +42,6 @@ if TYPE_CHECKING:
 
 LEAST_CLOCK_M2_S, LEAST_DRIFT_M2_S3 = 1e-3, 1e-6
 """Of even the best oscillator: what is left of the model's own error."""
-STATES_HZ = 10.0
-"""Rate of the states of the free INS, at least."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +86,13 @@ class Aided:
         return len(self.measurements.satellites)
 
 
-def aid(measurements: Measurements, log: ImuLog, config: Config, stages: Stages = silent) -> Aided:
+def aid(
+    measurements: Measurements,
+    log: ImuLog,
+    config: Config,
+    stages: Stages = silent,
+    notes: Sequence[str] = (),
+) -> Aided:
     """Filter, compare, judge.
 
     Args:
@@ -95,6 +100,7 @@ def aid(measurements: Measurements, log: ImuLog, config: Config, stages: Stages 
         log: increments, by GNSS time.
         config: its groups ``aided``, ``tight``, ``rate`` and ``detection``.
         stages: shows progress.
+        notes: what the files said, for the verdict.
 
     Raises:
         AidingError: IMU and GNSS do not overlap, or there is nothing to start with.
@@ -111,20 +117,22 @@ def aid(measurements: Measurements, log: ImuLog, config: Config, stages: Stages 
         track = track_of(solution, measurements, config.aided.integrity_risk)
         tests = monitors_of(solution, config.tight)
     with stages("Testing rates"):
-        free, rates = _rates(log, measurements, solution, config)
+        inertial, rates = free.rates(log, measurements, solution, config)
     verdict = judge(
         track,
         (*tests, *rates.monitors),
-        rates.notes,
+        (*notes, *rates.notes),
         " ".join((FLOOR, *rates.limits)),
         rates.tests + float(np.isfinite(solution.deviates).sum()),
         config.aided.min_tested_s,
         [name for e in solution.events if e.state == "partial" for name in e.excluded],
     )
+    why = _doubt(log, measurements, solution, beginning.start, verdict.alarm_s, config)
+    verdict = doubted(verdict, why) if why else verdict
     return Aided(
         verdict,
         measurements,
-        free,
+        inertial,
         track,
         (*tests, *rates.monitors),
         rates.residuals,
@@ -183,36 +191,48 @@ def _with_sigma(config: Config, sigma: AlignmentSigma | None) -> Config:
     return config.model_copy(update={"tight": _unless_given(config.tight, update)})
 
 
-def _rates(
-    log: ImuLog, measurements: Measurements, solution: TightSolution, config: Config
-) -> tuple[InertialStates | None, Rates]:
-    """The free INS from the filter's first settled epoch on, and the tests with it."""
-    begins = solution.time_s[int(np.argmax(solution.valid))]
-    settled = solution.valid & (solution.time_s >= begins + config.tight.settle_s)
-    if not settled.any() or not config.aided.detectors:
-        note = f"rates: the filter has not settled within {config.tight.settle_s:g} s"
-        return None, Rates((), (), (note,), (), 0.0)
-    row = int(np.argmax(settled))
-    one = slice(row, row + 1)
-    begin = InertialStates(
+def _doubt(
+    log: ImuLog,
+    measurements: Measurements,
+    solution: TightSolution,
+    start: Start,
+    alarm_s: float | None,
+    config: Config,
+) -> str:
+    """What does not fit from the start on, or after the last gap of the IMU before the alarm."""
+    until_s = math.inf if alarm_s is None else alarm_s
+    gap_s = agreement.last_gap_s(log, until_s)
+    if gap_s is not None:
+        row = int(np.searchsorted(solution.time_s, gap_s + log.interval_s))
+        if row < solution.time_s.size and solution.valid[row] and solution.time_s[row] < until_s:
+            begin, known = free.state_of(log, solution, row), free.aligned(config, solution, row)
+            why = agreement.doubt(log, measurements, begin, until_s, known)
+            if why:
+                return f"after the gap of the IMU at {gap_s:.1f} s {why}"
+        if alarm_s is not None and alarm_s < gap_s + config.tight.settle_s:
+            return (
+                f"the alarm at {alarm_s:.1f} s comes soon after a gap of the IMU at {gap_s:.1f} s: "
+                "has its clock jumped there? Split the file there"
+            )
+    tight, own = config.tight, config.rate.model_fields_set
+    known_rate = {
+        "align_position_m": tight.start_position_m,
+        "align_velocity_m_s": tight.start_velocity_m_s,
+        "align_level_deg": tight.start_level_deg,
+        "align_heading_deg": tight.start_heading_deg,
+    }
+    rate = config.rate.model_copy(update={k: v for k, v in known_rate.items() if k not in own})
+    config = config.model_copy(update={"rate": rate})
+    return agreement.doubt(log, measurements, _first(log, start), until_s, config)
+
+
+def _first(log: ImuLog, start: Start) -> InertialStates:
+    """The start as a state."""
+    return InertialStates(
         log.reference,
-        solution.time_s[one],
-        solution.position_m[one],
-        body_velocity(solution)[one],
-        solution.attitude_rad[one],
+        np.array([start.time_s]),
+        np.array([start.position_m]),
+        np.array([start.velocity_m_s]),
+        np.array([start.attitude_rad]),
         np.zeros(1),
     )
-    every = max(1, round(1.0 / (STATES_HZ * log.interval_s)))
-    free = navigate(log, begin, every=every)
-    sigma = np.sqrt(np.diagonal(solution.covariance[row], axis1=1, axis2=2))
-    known = {
-        "align_position_m": float(sigma[0].max()),
-        "align_velocity_m_s": float(sigma[1].max()),
-        "align_level_deg": float(np.degrees(sigma[2, :2].max())),
-        "align_heading_deg": float(np.degrees(sigma[2, 2])),
-    }
-    given = config.rate.model_fields_set
-    update = {name: value for name, value in known.items() if name not in given}
-    rate = config.rate.model_copy(update=update)
-    covered = measurements.part(row, measurements.time_s.size)
-    return free, examine(covered, free, config.model_copy(update={"rate": rate}))

@@ -26,10 +26,15 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from sdr_spoof.aiding.imu.readers import ImuReading
     from sdr_spoof.aiding.records import Measurements
     from sdr_spoof.config import Config
     from sdr_spoof.progress import Stages
     from sdr_spoof.sources.observed import Observed
+
+
+SAME_ARM_M = 0.05
+"""Lever arms that differ by less are one."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +42,8 @@ class Session:
     """What aiding found, and what it was made from."""
 
     aided: Aided
+    config: Config
+    """Effective."""
     names: tuple[str, str]
     """Of the observations and of the IMU's log."""
     truth_m: NDArray[np.float64] | None = None
@@ -46,17 +53,20 @@ class Session:
 
     @property
     def error_m(self) -> dict[str, float] | None:
-        """Largest distance from the truth, aided and by GNSS alone; None where it is unknown."""
+        """Largest distance from the truth, aided, by GNSS alone, and smoothed if it was asked for;
+        None where the truth is unknown."""
         track = self.aided.track
         if self.truth_m is None or track is None:
             return None
         places = {"aided": track.position_m, "gnss_alone": track.alone_m}
+        if track.smoothed is not None:
+            places["smoothed"] = track.smoothed.position_m
         return {
             name: float(np.nanmax(np.linalg.norm(place - self.truth_m, axis=1)))
             for name, place in places.items()
         }
 
-    def write(self, out: Path, config: Config, *, force: bool = False) -> None:
+    def write(self, out: Path, *, force: bool = False) -> None:
         """Write report, HDF5 and CSV into a folder.
 
         Raises:
@@ -64,7 +74,7 @@ class Session:
         """
         from sdr_spoof.report.aided import write_aided_report  # noqa: PLC0415
 
-        plain = config.model_dump(mode="json")
+        plain = self.config.model_dump(mode="json")
         write_hdf5(out / "aided.h5", self.aided, plain, force=force)
         if self.aided.track is not None:
             write_csv(out / "aided.csv", self.aided.track, force=force)
@@ -94,35 +104,51 @@ def open_session(
     """
     with stages("Reading"):
         observed = open_observations(observations)
-    return session_of(
-        observed,
-        imu,
-        config,
-        name=observations.name,
-        truth=truth,
-        stages=stages,
-    )
+        reading = read_imu(imu, config.imu)
+    names = observations.name, imu.name
+    return session_of(observed, reading, config, names=names, truth=truth, stages=stages)
 
 
 def session_of(
     observed: Observed,
-    imu: Path,
+    imu: ImuReading,
     config: Config,
     *,
-    name: str,
+    names: tuple[str, str],
     truth: Path | None = None,
     stages: Stages = silent,
 ) -> Session:
-    """As :func:`open_session`, of observations at hand."""
+    """As :func:`open_session`, of what has been read; ``names`` are those of the two files."""
+    config, mounted = with_lever_arm(config, imu)
     with stages("Measurements"):
-        read = read_imu(imu, config.imu)
-        contents, notes = orbits_of(observed, config)
+        contents, more = orbits_of(observed, config)
         measured = measurements.of(
             observed.observations, contents, config.pvt, lever_arm_m=config.imu.lever_arm_m
         )
-    found = aid(measured, read.log, config, stages)
+    notes = (*observed.notes, *imu.notes, *mounted, *more)
+    found = aid(measured, imu.log, config, stages, notes)
     known = None if truth is None else true_places(truth, measured)
-    return Session(found, (name, imu.name), known, (*observed.notes, *read.notes, *notes))
+    return Session(found, config, names, known, notes)
+
+
+def with_lever_arm(config: Config, imu: ImuReading) -> tuple[Config, tuple[str, ...]]:
+    """The configuration with the lever arm that the IMU's file tells, if it is not given; notes."""
+    told, given = imu.lever_arm_m, config.imu.lever_arm_m
+    if "lever_arm_m" in config.imu.model_fields_set:
+        if told is None or max(abs(a - b) for a, b in zip(told, given, strict=True)) < SAME_ARM_M:
+            return config, ()
+        note = f"the lever arm given, {_arm(given)} m, is used; the IMU's file says {_arm(told)} m"
+        return config, (note,)
+    if told is None:
+        note = "no lever arm is known (--lever-arm): the antenna is taken to be at the IMU"
+        return config, (note,)
+    own = config.imu.model_copy(update={"lever_arm_m": told})
+    note = f"lever arm of {_arm(told)} m (forward, right, down), as the IMU's file says"
+    return config.model_copy(update={"imu": own}), (note,)
+
+
+def _arm(lever_arm_m: tuple[float, float, float]) -> str:
+    return ",".join(f"{v:g}" for v in lever_arm_m)
 
 
 def orbits_of(observed: Observed, config: Config) -> tuple[Store, tuple[str, ...]]:

@@ -84,7 +84,7 @@ def begin(log: ImuLog, measurements: Measurements, config: Config) -> Beginning:
     turn = rotations(state.attitude_rad)[0]
     place = state.position_m[0]
     if found.method.endswith("at rest"):
-        place = place - _to_earth(place) @ turn @ arm
+        place = place - to_earth(place) @ turn @ arm
     start = Start(
         float(state.time_s[0]),
         _three(place),
@@ -152,13 +152,13 @@ def _without_swing(
     turns = rotations(attitude_rad)
     places, velocities = motion.position_m.copy(), motion.velocity_m_s.copy()
     for k, time_s in enumerate(motion.time_s):
-        axes = _to_earth(places[k])
-        velocities[k] -= axes @ turns[k] @ np.cross(_rate_rad_s(log, time_s), arm)
+        axes = to_earth(places[k])
+        velocities[k] -= axes @ turns[k] @ np.cross(rate_rad_s(log, time_s), arm)
         places[k] -= axes @ turns[k] @ arm
     return MeasuredMotion(motion.reference, motion.time_s, places, velocities)
 
 
-def _rate_rad_s(log: ImuLog, time_s: float) -> Floats:
+def rate_rad_s(log: ImuLog, time_s: float) -> Floats:
     """Angular rate at a time (3,)."""
     first, last = np.searchsorted(log.time_s, [time_s - RATE_S / 2, time_s + RATE_S / 2])
     first = min(first, len(log.time_s) - 1)
@@ -183,7 +183,7 @@ def _start(motion: MeasuredMotion, attitude: Floats) -> Start:
     )
 
 
-def _to_earth(place: Floats) -> Floats:
+def to_earth(place: Floats) -> Floats:
     """Matrix from north, east, down to Earth-fixed axes."""
     latitude, longitude, _ = ecef_to_geodetic(place)
     east, north, up = enu_matrix(latitude, longitude)

@@ -33,6 +33,11 @@ class ImuLog:
     velocity_m_s: NDArray[np.float64]
     """Specific force that each accelerometer has summed up over the interval, (N, 3)."""
 
+    def part(self, start: int, stop: int) -> Self:
+        """Increments ``start`` to ``stop``."""
+        names = ("time_s", "rotation_rad", "velocity_m_s")
+        return replace(self, **{name: getattr(self, name)[start:stop] for name in names})
+
 
 @dataclass(frozen=True)
 class InertialStates:

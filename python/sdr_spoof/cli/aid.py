@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from sdr_spoof.aided.session import Session
-    from sdr_spoof.config import Config
 
     from .ui import Ui
 
@@ -57,11 +56,18 @@ def add_imu(parser: argparse.ArgumentParser, *, required: bool) -> None:
     for flag, name, metavar, what in (
         ("--grade", "aided.grade", "NAME", "quality of the IMU"),
         ("--lever-arm", "imu.lever_arm_m", "F,R,D", "antenna from the IMU in m"),
-        ("--attitude", "aided.attitude_deg", "Y,P,R", "yaw, pitch, roll at the start in degrees"),
+        ("--attitude", "aided.attitude_deg", "Y,P,R", "yaw, pitch, roll at the first epoch"),
     ):
         long = config.flag_name(name.split("."))
         help_text = f"{what}; the same as {long}"
         parser.add_argument(flag, dest=config.FLAG_PREFIX + name, metavar=metavar, help=help_text)
+    parser.add_argument(
+        "--smooth",
+        dest=config.FLAG_PREFIX + "tight.smooth",
+        action="store_const",
+        const="true",
+        help="also estimate every epoch from what came later; the same as --tight-smooth true",
+    )
 
 
 def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
@@ -80,14 +86,14 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
             stages=ui.stages,
         )
         with ui.stages("Reporting"):
-            session.write(out, settings, force=arguments.force)
-    return outcome(session, out, settings)
+            session.write(out, force=arguments.force)
+    return outcome(session, out)
 
 
-def outcome(session: Session, out: Path, settings: Config) -> Outcome:
+def outcome(session: Session, out: Path) -> Outcome:
     """What is said and printed."""
     aided = session.aided
-    data = summary(session, out) | {"config": settings}
+    data = summary(session, out) | {"config": session.config}
 
     def render(console: Console) -> None:
         from sdr_spoof.report.aided_terminal import print_aided  # noqa: PLC0415
@@ -138,5 +144,6 @@ COMMAND = Command(
         "sdr-spoof aid drive.rnx --imu drive.imu.csv --nav brdc.rnx --grade tactical",
         "sdr-spoof aid out/today/result.h5 --imu today.imu.csv --lever-arm 1.2,0,-2.5",
         "sdr-spoof aid ship.rnx --imu ship.imu.csv --nav brdc.rnx --attitude 90,0,0 --json",
+        "sdr-spoof aid survey.rnx --imu survey.imu.csv --nav brdc.rnx --smooth",
     ),
 )

@@ -15,17 +15,18 @@ from .command import Command, Outcome
 
 if TYPE_CHECKING:
     import argparse
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from rich.console import Console
 
     from sdr_spoof.aiding.array.examine import Finding
     from sdr_spoof.records import TrackLog
+    from sdr_spoof.report.page import Page
     from sdr_spoof.sources import Recording
 
     from .ui import Ui
 
-FILES = ("array.png", "array.csv")
+FILES = ("report.html", "array.png", "array.csv")
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
@@ -52,20 +53,29 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--nav", type=Path, metavar="FILE.rnx", help="RINEX navigation file (default: none)"
     )
+    parser.add_argument(
+        "--lines",
+        metavar="M,...",
+        help="calibrated lines: by how many m each antenna's is electrically longer than the "
+        "reference's, such as 0.012,-0.004; with it directions of arrival are tested too, which "
+        "needs --nav",
+    )
     options.add_selection(parser)
-    options.add_output(parser, "folder for the picture and the table of tests")
+    options.add_output(parser, "folder for the report, the picture and the table of tests")
     options.add_threads(parser)
     config.add_flags(parser, ["acquisition", "tracking", "array"])
 
 
 def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
-    from sdr_spoof.aiding.array.examine import check_number, examine  # noqa: PLC0415
+    from sdr_spoof.aiding.array.examine import check_lines, check_number, examine  # noqa: PLC0415
     from sdr_spoof.aiding.array.geometry import array_of  # noqa: PLC0415
     from sdr_spoof.aiding.array.vehicle import vehicle  # noqa: PLC0415
     from sdr_spoof.nav.rinex_nav import read_navigation  # noqa: PLC0415
     from sdr_spoof.nav.store import Store  # noqa: PLC0415
     from sdr_spoof.nav.time import GnssTime  # noqa: PLC0415
     from sdr_spoof.pipeline import output_folder, output_paths  # noqa: PLC0415
+    from sdr_spoof.report.array import array_page  # noqa: PLC0415
+    from sdr_spoof.report.figures.array_scores import draw_scores  # noqa: PLC0415
     from sdr_spoof.scenario.sky.trajectory_files import read_csv  # noqa: PLC0415
     from sdr_spoof.sources import open_recording  # noqa: PLC0415
 
@@ -75,6 +85,7 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
             raise ConfigError(f"{name}: missing; an array's directions need it, see --help")
     array = array_of(_elements(arguments.elements))
     track = read_csv(arguments.vehicle)
+    lines_m = _lines(arguments.lines)
     store = Store(read_navigation(arguments.nav)) if arguments.nav else None
     if arguments.output is not None:
         output_paths(arguments.output, FILES, force=arguments.force)
@@ -83,12 +94,31 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
     start = None if first.start is None else GnssTime.of_utc(first.start)
     # What does not go together is said before the long work.
     check_number(len(recordings), array)
+    check_lines(lines_m, array)
+    known = store is not None and start is not None
+    if lines_m is not None and not known:
+        raise ConfigError(
+            "--lines: directions of arrival need to know where the satellites are; give --nav, and "
+            "a recording that knows its time"
+        )
     moving = vehicle(track, min(r.duration_s for r in recordings), store, start)
-    findings = examine(_tracked(recordings, arguments, ui, settings), array, moving, settings.array)
+    logs = _tracked(recordings, arguments, ui, settings)
+    findings = examine(logs, array, moving, settings.array, lines_m)
     if arguments.output is not None:
-        with output_folder(arguments.output):
-            _write(arguments.output, findings, force=arguments.force)
-    return _outcome(findings, arguments, known=store is not None and start is not None)
+        with ui.stages("Reporting"), output_folder(arguments.output):
+            scores = draw_scores(findings)
+            page = array_page(
+                findings,
+                array,
+                moving,
+                settings.array,
+                name=arguments.recordings[0].name,
+                known=known,
+                calibrated=lines_m is not None,
+                picture=scores,
+            )
+            _write(arguments, settings, page, scores, _csv(findings))
+    return _outcome(findings, arguments, known=known)
 
 
 def _elements(text: str) -> list[list[float]]:
@@ -98,6 +128,15 @@ def _elements(text: str) -> list[list[float]]:
         raise ConfigError(
             f"--elements: '{text}' is not forward,right,down of each antenna, divided by ';'"
         ) from error
+
+
+def _lines(text: str | None) -> list[float] | None:
+    if text is None:
+        return None
+    try:
+        return [float(x) for x in text.split(",")]
+    except ValueError as error:
+        raise ConfigError(f"--lines: '{text}' is not a number of m for each antenna") from error
 
 
 def _tracked(
@@ -135,19 +174,42 @@ def _tracked(
     return logs
 
 
-def _write(folder: Path, findings: Sequence[Finding], *, force: bool) -> None:
-    from sdr_spoof.report.figures.array_scores import draw_scores  # noqa: PLC0415
+def _write(
+    arguments: argparse.Namespace,
+    settings: config.Config,
+    page: Page,
+    scores: bytes,
+    tests: bytes,
+) -> None:
+    from sdr_spoof.report.page import write_page  # noqa: PLC0415
     from sdr_spoof.sinks.atomic import write_bytes  # noqa: PLC0415
 
+    report, picture, table = (arguments.output / name for name in FILES)
+    used = settings.model_dump(mode="json", include={"acquisition", "tracking", "array"})
+    write_page(report, page, used, force=arguments.force)
+    write_bytes(picture, scores, force=arguments.force)
+    write_bytes(table, tests, force=arguments.force)
+
+
+def _csv(findings: Sequence[Finding]) -> bytes:
+    """A row a test; those of the direction of arrival have no way."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["satellite", "signal", "time_s", "way_m", "score", "p_value", "threshold"])
+    writer.writerow(
+        ["satellite", "signal", "time_s", "way_m", "score", "p_value", "threshold", "test"]
+    )
+
+    def write(f: Finding, test: str, *columns: Iterable[float | None]) -> None:
+        for row in zip(*columns, strict=True):
+            numbers = ["" if v is None else f"{v:.6g}" for v in (*row, f.threshold)]
+            writer.writerow([f.satellite, f.signal, *numbers, test])
+
     for f in findings:
-        for row in zip(f.time_s, f.way_m, f.score, f.p_value, strict=True):
-            values = [f"{v:.6g}" for v in (*row, f.threshold)]
-            writer.writerow([f.satellite, f.signal, *values])
-    write_bytes(folder / FILES[0], draw_scores(findings), force=force)
-    write_bytes(folder / FILES[1], text.getvalue().encode("ascii"), force=force)
+        write(f, "motion", f.time_s, f.way_m, f.score, f.p_value)
+        if f.arrivals is not None:
+            a = f.arrivals
+            write(f, "arrival", a.time_s, [None] * a.time_s.size, a.score, a.p_value)
+    return text.getvalue().encode("ascii")
 
 
 def _outcome(findings: Sequence[Finding], arguments: argparse.Namespace, *, known: bool) -> Outcome:
@@ -163,6 +225,7 @@ def _outcome(findings: Sequence[Finding], arguments: argparse.Namespace, *, know
                 "reason": f.reason,
                 "phase_noise_cycles": f.sigma_cycles if f.sigma_cycles == f.sigma_cycles else None,
                 "tests": len(f.time_s),
+                "arrivals": 0 if f.arrivals is None else len(f.arrivals.time_s),
             }
             for f in findings
         ],
@@ -198,11 +261,14 @@ COMMAND = Command(
     _run,
     usage="REC REC REC... --elements F,R,D;... --vehicle FILE.csv [options]",
     details="Tracks every satellite on all antennas and tests whether its direction, by the "
-    "carrier-phase differences and the INS's attitude, stands still as the vehicle moves on. Three "
-    "antennas or more, not in one line; recordings with a common clock.",
+    "carrier-phase differences and the INS's attitude, stands still as the vehicle moves on and, "
+    "with calibrated lines, whether it is the satellite's. Three antennas or more, not in one "
+    "line; recordings with a common clock. Writes report.html, a picture and a table.",
     examples=(
         "sdr-spoof synth array -o out/array",
         "sdr-spoof array out/array.a?.sigmf-meta --vehicle out/array.a0.vehicle.csv "
         "--elements '0,0,0;0.38,0,0;0.19,0.329,0' -o out/array-report",
+        "sdr-spoof array a.sigmf-meta b.sigmf-meta c.sigmf-meta --vehicle ins.csv --nav brdc.rnx "
+        "--elements '0,0,0;0.38,0,0;0.19,0.329,0' --lines 0.012,-0.004",
     ),
 )

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sdr_spoof import config
-from sdr_spoof.errors import AidingError
+from sdr_spoof.errors import AidingError, SdrSpoofError
 
 from . import aid, options, tables
 from .command import INTERRUPTED, Command, Outcome
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from rich.console import Console
 
+    from sdr_spoof.aiding.imu.readers import ImuReading
     from sdr_spoof.pipeline import Processed
 
     from .ui import Ui
@@ -32,12 +33,16 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
+    from sdr_spoof.aiding.imu.readers import read_imu  # noqa: PLC0415
     from sdr_spoof.pipeline import output_paths, process  # noqa: PLC0415
 
     settings = config.from_arguments(arguments)
     recording = options.recording_from(arguments)
     out = arguments.output or Path("out") / recording.path.stem
+    imu = None
     if arguments.imu is not None:
+        # What is wrong with it is said before the long work.
+        imu = read_imu(arguments.imu, settings.imu)
         output_paths(out, aid.NAMES, force=arguments.force)
     processed = process(
         recording,
@@ -50,12 +55,16 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
         stages=ui.stages,
     )
     said = outcome(processed, ui)
-    if arguments.imu is None:
-        return said
-    return _aided(said, processed, arguments, ui)
+    return said if imu is None else _aided(said, processed, imu, arguments, ui)
 
 
-def _aided(said: Outcome, processed: Processed, arguments: argparse.Namespace, ui: Ui) -> Outcome:
+def _aided(
+    said: Outcome,
+    processed: Processed,
+    imu: ImuReading,
+    arguments: argparse.Namespace,
+    ui: Ui,
+) -> Outcome:
     """The same, and what the IMU says of it.
 
     Raises:
@@ -68,11 +77,15 @@ def _aided(said: Outcome, processed: Processed, arguments: argparse.Namespace, u
     if located is None:
         raise AidingError(f"--imu: there are no observations to judge: {processed.why_not_located}")
     observed = Observed(located.observations, located.navigation, processed.verdict)
-    name = processed.recording.path.name
-    session = session_of(observed, arguments.imu, settings, name=name, stages=ui.stages)
+    names = processed.recording.path.name, arguments.imu.name
+    try:
+        session = session_of(observed, imu, settings, names=names, stages=ui.stages)
+    except SdrSpoofError as error:
+        known = f"what the receiver itself found is in {processed.report_path}"
+        raise AidingError(f"{error}; {known}") from error
     with ui.stages("Reporting"):
-        session.write(out, settings, force=arguments.force)
-    more = aid.outcome(session, out, settings)
+        session.write(out, force=arguments.force)
+    more = aid.outcome(session, out)
 
     def render(console: Console) -> None:
         said.render(console)

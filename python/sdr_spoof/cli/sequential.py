@@ -20,10 +20,11 @@ if TYPE_CHECKING:
 
     from sdr_spoof.aiding.dme.judge import Judgement
     from sdr_spoof.aiding.dme.watch import Watched
+    from sdr_spoof.nav.time import GnssTime
 
     from .ui import Ui
 
-FILES = ("sequential.png", "sequential.csv")
+FILES = ("report.html", "sequential.png", "sequential.csv")
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
@@ -45,7 +46,14 @@ def _configure(parser: argparse.ArgumentParser) -> None:
         metavar="FILE.rnx,...",
         help="RINEX navigation files; needed with a RINEX observation file",
     )
-    options.add_output(parser, "folder for the picture and the table")
+    parser.add_argument(
+        "--ins-grade",
+        dest=config.FLAG_PREFIX + "sequential.ins_grade",
+        metavar="NAME",
+        help="quality of a free INS, whose drift is then learnt; the same as "
+        "--sequential-ins-grade; how well it was aligned is in [rate] of --config",
+    )
+    options.add_output(parser, "folder for the report, the picture and the table")
     config.add_flags(parser, ["sequential", "pvt"])
 
 
@@ -68,34 +76,69 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
         ins = read_ins(arguments.ins, measured.reference)
         dme = None if arguments.dme is None else read_dme(arguments.dme, measured.reference)
     with ui.stages("Testing"):
-        found = judge(measured, ins, dme, settings.sequential)
+        found = judge(measured, ins, dme, settings.sequential, settings.rate)
         watched = watch(found, settings.sequential)
+    notes = (*observed.notes, *notes)
     if arguments.output is not None:
-        with output_folder(arguments.output):
-            _write(arguments.output, found, watched, force=arguments.force)
-    return _outcome(found, arguments, (*observed.notes, *notes))
+        with ui.stages("Reporting"), output_folder(arguments.output):
+            _write(arguments, settings, found, watched, notes, measured.reference)
+    return _outcome(found, arguments, notes)
 
 
-def _write(folder: Path, found: Judgement, watched: Sequence[Watched], *, force: bool) -> None:
+def _write(
+    arguments: argparse.Namespace,
+    settings: config.Config,
+    found: Judgement,
+    watched: Sequence[Watched],
+    notes: Sequence[str],
+    reference: GnssTime | None,
+) -> None:
     from sdr_spoof.report.figures.sequential import draw_sequential  # noqa: PLC0415
+    from sdr_spoof.report.page import write_page  # noqa: PLC0415
+    from sdr_spoof.report.sequential import sequential_page  # noqa: PLC0415
     from sdr_spoof.sinks.atomic import write_bytes  # noqa: PLC0415
 
+    report, picture, table = (arguments.output / name for name in FILES)
+    drawn = draw_sequential(found, tuple(watched))
+    given = [path.name for path in (arguments.ins, arguments.dme) if path is not None]
+    page = sequential_page(
+        found,
+        watched,
+        settings.sequential,
+        name=arguments.observations.name,
+        by=given,
+        reference=reference,
+        picture=drawn,
+        notes=notes,
+    )
+    groups = {"sequential", "pvt", "navigation"}
+    groups |= {"rate"} if settings.sequential.ins_grade is not None else set()
+    used = settings.model_dump(mode="json", include=groups)
+    force = arguments.force
+    write_page(report, page, used, force=force)
+    write_bytes(picture, drawn, force=force)
+    write_bytes(table, _csv(watched), force=force)
+
+
+def _csv(watched: Sequence[Watched]) -> bytes:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(["test", "channel", "time_s", "sample_sigmas", "statistic", "threshold"])
     for w in watched:
         for row in zip(w.time_s, w.z, w.path, strict=True):
             writer.writerow([w.test, w.channel, *(f"{v:.6g}" for v in (*row, w.threshold))])
-    write_bytes(folder / FILES[0], draw_sequential(found, tuple(watched)), force=force)
-    write_bytes(folder / FILES[1], text.getvalue().encode("ascii"), force=force)
+    return text.getvalue().encode("ascii")
 
 
 def _outcome(found: Judgement, arguments: argparse.Namespace, notes: Sequence[str]) -> Outcome:
+    from sdr_spoof.report import sequential_words as words  # noqa: PLC0415
+
     isolation = found.isolation
     named = isolation is not None and isolation.satellites is not None
+    out = arguments.output
     data: dict[str, Any] = {
         "observations": arguments.observations,
-        "verdict": "spoofed" if found.alarm_s is not None else verdict(found),
+        "verdict": words.verdict(found),
         "alarm_s": found.alarm_s,
         "ins_captured": found.captured,
         "satellites": found.spoofed if named else None,
@@ -104,49 +147,31 @@ def _outcome(found: Judgement, arguments: argparse.Namespace, notes: Sequence[st
         "fix_off_without_m": None if isolation is None else isolation.after_m,
         "alarms": [
             {
-                "test": t.test,
-                "channel": t.channel,
-                "alarm_s": t.decided.alarm_s,
-                "onset_s": t.decided.onset_s,
-                "statistic": t.decided.statistic,
-                "threshold": t.decided.threshold,
+                "test": tested.test,
+                "channel": tested.channel,
+                "alarm_s": decided.alarm_s,
+                "onset_s": decided.onset_s,
+                "statistic": decided.statistic,
+                "threshold": decided.threshold,
             }
-            for t in found.tested
-            if t.decided is not None
+            for decided, tested in words.alarms(found)
         ],
         "tested": len([t for t in found.tested if not t.note]),
         "notes": [*notes, *found.notes],
-        "output": arguments.output,
+        "output": out,
     }
 
     def render(console: Console) -> None:
-        for line in words(data):
+        lines = [f"Verdict: {data['verdict']}", *words.sentences(found)]
+        if found.alarm_s is not None:
+            lines.append(f"What to do: {words.action(found)}")
+        lines += [f"  {line}" for line in words.alarm_lines(found)]
+        lines += [f"Note: {note}" for note in data["notes"]]
+        lines += [f"  {out / FILES[0]}"] if out is not None else []
+        for line in lines:
             console.print(line, highlight=False, soft_wrap=True, markup=False)
 
     return Outcome(data, render)
-
-
-def verdict(found: Judgement) -> str:
-    """Of a flight without an alarm."""
-    judged = any(not t.note for t in found.tested)
-    return "clean" if judged else "not enough support"
-
-
-def words(data: dict[str, Any]) -> list[str]:
-    """What was found, a line each."""
-    lines = [f"Verdict: {data['verdict']}"]
-    if data["alarm_s"] is not None:
-        lines.append(f"First alarm at {data['alarm_s']:.1f} s")
-        if data["ins_captured"]:
-            lines.append("DME contradicts the INS: it follows the spoofer and cannot be trusted")
-        if data["satellites"]:
-            lines.append(f"Leave out: {', '.join(data['satellites'])}")
-        elif data["satellites"] is None:
-            lines.append("No set of satellites explains it: trust none")
-    for alarm in data["alarms"]:
-        size = f"{alarm['statistic']:.1f} over {alarm['threshold']:.1f}"
-        lines.append(f"  {alarm['test']}, {alarm['channel']}: {alarm['alarm_s']:.1f} s, {size}")
-    return [*lines, *(f"Note: {note}" for note in data["notes"])]
 
 
 COMMAND = Command(
@@ -161,5 +186,7 @@ COMMAND = Command(
     examples=(
         "sdr-spoof sequential flight.rnx --ins flight.ins.csv --dme flight.dme.csv --nav brdc.rnx",
         "sdr-spoof sequential out/today/result.h5 --ins today.ins.csv --sequential-rule cusum",
+        "sdr-spoof sequential flight.rnx --ins flight.ins.csv --nav brdc.rnx --ins-grade "
+        "navigation --sequential-ins-aligned-s 600",
     ),
 )

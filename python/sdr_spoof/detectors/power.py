@@ -14,6 +14,11 @@ trailing reference (a fall, and the return from it, are what trees and houses do
 
 A fourth, the noise floor of the band, is that of all satellites together (:mod:`.noise_floor`).
 
+Behind an automatic gain control (``log.gain``) prompt and noise are divided by the gain, the noise,
+which is a running mean, by the running mean of it: they are those at the antenna. A control whose
+gain nobody wrote down keeps the noise as it is, so that noise power and noise floor say nothing and
+C/N0 against power becomes C/N0; C/N0 needs no gain, beyond the memory of the noise.
+
 Law under H0. The window's mean |P|^2 - noise over N epochs has the relative variance
 (2 / s + 1 / s^2) / N, s = C/N0 T. The tracker's noise power is an exponential mean with memory m of
 slices dt, each with relative variance 1; averaged over a window W that is
@@ -48,6 +53,7 @@ from sdr_spoof.detectors.noise_floor import DB, NOISE_MEMORY_S, ChannelBins, noi
 from sdr_spoof.detectors.presence import BELOW_DB, empty
 from sdr_spoof.detectors.series import StatisticSeries, signals_of
 from sdr_spoof.detectors.windows import sections, segments, sliding_mean
+from sdr_spoof.gain import GainLog
 from sdr_spoof.records import SignalTrack, State, TrackLog
 
 NAME = "power"
@@ -80,7 +86,7 @@ def statistics(log: TrackLog, config: DetectionConfig) -> Iterator[StatisticSeri
         channels.append(ChannelBins(track))
         for first, stop, lead in sections(track, lead_s):
             part = track.part(first, stop)
-            rows, epoch_s = _rows(part, log.sample_rate_hz, config)
+            rows, epoch_s = _rows(part, log.sample_rate_hz, config, log.gain)
             for quantity in (CN0, NOISE, AGAINST):
                 yield _series(part, rows, epoch_s, quantity, share, lead, config)
             _gather(channels[-1], part, rows, lead)
@@ -96,7 +102,10 @@ def _gather(channel: ChannelBins, track: SignalTrack, rows: _Rows, lead: int) ->
 
 
 def _rows(
-    track: SignalTrack, sample_rate_hz: float, config: DetectionConfig
+    track: SignalTrack,
+    sample_rate_hz: float,
+    config: DetectionConfig,
+    gain: GainLog | None = None,
 ) -> tuple[_Rows, float]:
     epoch_s = float(np.median(track.integration_s))
     samples = sample_rate_hz * track.integration_s
@@ -112,11 +121,13 @@ def _rows(
     none = np.empty(0, np.int64)
     at = np.concatenate([none, *pieces])
     number = np.concatenate([none, *(np.full(p.size, k) for k, p in enumerate(pieces))])
-    in_prompt = track.noise_power / samples
+    noise = track.noise_power
     prompt = np.abs(track.taps[:, track.prompt_tap].astype(np.complex128)) ** 2 / samples**2
-    return _Rows(
-        at, number, (prompt - in_prompt)[at], track.noise_power[at], in_prompt[at]
-    ), epoch_s
+    if gain is not None:
+        noise = noise / gain.remembered_power(track.time_s + 0.5 * epoch_s)
+        prompt = prompt / gain.power(track.time_s)
+    in_prompt = noise / samples
+    return _Rows(at, number, (prompt - in_prompt)[at], noise[at], in_prompt[at]), epoch_s
 
 
 def _series(

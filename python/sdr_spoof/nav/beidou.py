@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from .time import GnssTime
 
 SIGNAL = "B1I"
+SET_S = 30.0
+"""Subframes 1 to 3 of D1 with those between, and the pages of subframe 1 of D2, repeat so."""
 CONFIRMED_BY = 8
 """Symbols of the next preamble that must be there to tell whether the sign stayed."""
 
@@ -92,10 +94,43 @@ class BeidouMessage(SubframeMessage):
         return np.asarray(inside & (wrong < PREAMBLE.size // 2))
 
 
-def together(times: Sequence[GnssTime]) -> bool:
-    """Whether subframes of these times are of one set: new ones begin with the hour."""
-    spread = max(times) - min(times)
-    return spread < 60.0 and len({t.week_tow("C")[1] // 3600 for t in times}) == 1
+def together(times: Sequence[GnssTime], *, same_reference: bool) -> bool:
+    """Whether subframes of these times are of one set.
+
+    A set takes 30 s, and new ones begin with the hour. They may begin elsewhere after an upload,
+    with a frame: parts of two frames must then at least have the same time of reference for orbit
+    and clock, which are in different parts.
+    """
+    one_frame = len({_set_of(t) for t in times}) == 1
+    one_hour = len({t.week_tow("C")[1] // 3600 for t in times}) == 1
+    within = max(times) - min(times) < SET_S and one_hour
+    return within and (one_frame or same_reference)
+
+
+def gather(latest: dict[int, Frame], key: int, frame: Frame, places: NDArray[np.bool_]) -> None:
+    """Put a frame among those that an ephemeris is put together from.
+
+    Nothing in D1 and D2 ties the parts of an ephemeris together: issues of age may stay the same
+    from set to set. But where a part tells another thing than the last time, a new set has begun
+    since, with a frame; so the others go that are not of the same frame.
+
+    Args:
+        latest: frames by number or page.
+        key: that of this one.
+        frame: the new one.
+        places: its bits that belong to the ephemeris, (300,).
+    """
+    before = latest.get(key)
+    if before is not None and not np.array_equal(before.bits[places], frame.bits[places]):
+        old = [k for k, f in latest.items() if _set_of(f.transmitted) != _set_of(frame.transmitted)]
+        for k in old:
+            del latest[k]
+    latest[key] = frame
+
+
+def _set_of(time: GnssTime) -> float:
+    """Which repetition of orbit and clock a time lies in."""
+    return time.week_tow("C")[1] // SET_S
 
 
 def ionosphere(layout: Layout, frame: Frame) -> Contents:

@@ -91,6 +91,13 @@ class Layout:
         for field in self.fields:
             field.write(bits, values[field.name])
 
+    def places(self, length: int) -> NDArray[np.bool_]:
+        """Which of so many bits are those of a field."""
+        found = np.zeros(length, dtype=np.bool_)
+        for first, count in (at for field in self.fields for at in field.at):
+            found[first - 1 : first - 1 + count] = True
+        return found
+
     def read(self, bits: NDArray[np.uint8]) -> dict[str, float]:
         """Values of all fields."""
         return {field.name: field.read(bits) for field in self.fields}

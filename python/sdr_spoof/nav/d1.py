@@ -9,10 +9,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from . import beidou_pages, keplerian
-from .beidou import SIGNAL, BeidouMessage, ionosphere, legacy_ephemeris, together
+from .beidou import SIGNAL, BeidouMessage, gather, ionosphere, legacy_ephemeris, together
 from .beidou_pages import PAGE, Slot
 from .beidou_satellites import NOT_GEO
-from .bits import Field, layout
+from .bits import PAGE_BITS, Field, Layout, layout
 from .broadcast import Contents
 from .ephemeris import D1
 
@@ -75,6 +75,12 @@ ORBIT_3 = layout(
 TOE_HIGH, TOE_LOW = Field("toe", ((291, 2),)), Field("toe", ((43, 10), (61, 5)))
 TOE_STEP_S, TOE_LOW_BITS = 8, 15
 """toe: 2 bits at the end of subframe 2, 15 at the start of subframe 3."""
+PLACES = {
+    1: CLOCK.places(PAGE_BITS),
+    2: Layout((*ORBIT_2.fields, TOE_HIGH)).places(PAGE_BITS),
+    3: Layout((*ORBIT_3.fields, TOE_LOW)).places(PAGE_BITS),
+}
+"""Bits of the ephemeris, by subframe."""
 
 
 def slot(number: int, page: int) -> Slot:
@@ -152,17 +158,19 @@ class D1Message(BeidouMessage):
                 return Contents()
             place = slot(frame.number, frame.page)
             return beidou_pages.read(frame.bits, place, D1, frame.transmitted)
-        latest[frame.number] = frame
+        gather(latest, frame.number, frame, PLACES[frame.number])
         orbit = self._orbit(latest)
         return ionosphere(KLOBUCHAR, frame) + orbit if frame.number == 1 else orbit
 
     def _orbit(self, latest: dict[int, Frame]) -> Contents:
         """Ephemeris of the last subframes 1 to 3, if they are of one set."""
-        if len(latest) < 3 or not together([f.transmitted for f in latest.values()]):
+        if len(latest) < 3:
             return Contents()
         first, second, third = (latest[n].bits for n in (1, 2, 3))
         fields = CLOCK.read(first) | ORBIT_2.read(second) | ORBIT_3.read(third)
         toe = TOE_HIGH.raw(second) << TOE_LOW_BITS | TOE_LOW.raw(third)
         fields["toe"] = toe * TOE_STEP_S
-        start = min(f.transmitted for f in latest.values())
-        return legacy_ephemeris(latest[1].prn, D1, fields, start)
+        times = [f.transmitted for f in latest.values()]
+        if not together(times, same_reference=fields["toe"] == fields["toc"]):
+            return Contents()
+        return legacy_ephemeris(latest[1].prn, D1, fields, min(times))

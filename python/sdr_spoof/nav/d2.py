@@ -1,8 +1,9 @@
 """D2, the message of geostationary BDS satellites on B1I, 500 bps.
 
 Source: BDS-SIS-ICD-B1I-3.0, 5.3: frames of 3 s, of 5 subframes of 0.6 s. Subframe 1 has the basic
-information on 10 pages, in words 1 to 5; subframes 2 to 4 (integrity, 6 pages) are sent empty;
-subframe 5 has 120 pages, among them the almanacs. The time of week is that of the frame's start.
+information on 10 pages, in words 1 to 5; subframes 2 to 4 judge other satellites, on 6 pages
+(:mod:`.d2_integrity`); subframe 5 has 120 pages, among them the almanacs. The
+time of week is that of the frame's start.
 """
 
 from __future__ import annotations
@@ -11,8 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from . import beidou_pages, keplerian
-from .beidou import SIGNAL, BeidouMessage, ionosphere, legacy_ephemeris, together
+from . import beidou_pages, d2_integrity, keplerian
+from .beidou import SIGNAL, BeidouMessage, gather, ionosphere, legacy_ephemeris, together
 from .beidou_pages import PAGE, Slot
 from .beidou_satellites import GEO
 from .bits import PAGE_BITS, Field, layout
@@ -20,13 +21,15 @@ from .broadcast import Contents
 from .ephemeris import D2
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from .broadcast import Broadcast
     from .records import Frame
 
 FRAME_S, SUBFRAME_S = 3, 0.6
-BASIC_PAGES, INTEGRITY_PAGES, PAGES = 10, 6, 120
+BASIC_PAGES, PAGES = 10, 120
 EXPANDED_CYCLES = 3
 BASIC_PAGE = Field("Pnum1", ((43, 4),))
 INTEGRITY_PAGE = Field("Pnum2", ((44, 4),))
@@ -61,6 +64,8 @@ BASIC = layout(
     ("i_dot", "10:52 10:61-73", keplerian.RATE),
     signed="tgd1 tgd2 a0 a1 a2 delta_n cuc m0 cus cic cis i0 crc crs omega_dot omega0 omega i_dot",
 )
+PLACES = BASIC.places(BASIC_PAGES * PAGE_BITS).reshape(BASIC_PAGES, PAGE_BITS)
+"""Bits of the ephemeris, by page."""
 KLOBUCHAR = layout(
     ("alpha0", "47-52 61-62", 2.0**-30),
     ("alpha1", "63-70", 2.0**-27),
@@ -139,9 +144,13 @@ class D2Message(BeidouMessage):
             page, group = frame % PAGES + 1, frame // PAGES % EXPANDED_CYCLES + 1
             now = self.start(week, index)
             beidou_pages.fill(bits, slot(page), group, content, now)
+            d2_integrity.fill_grid(bits, page, content.grid)
             PAGE.write(bits, page)
-        elif number == 2:
-            INTEGRITY_PAGE.write(bits, frame % INTEGRITY_PAGES + 1)
+        else:
+            page = frame % d2_integrity.PAGES + 1
+            d2_integrity.fill(bits, number, page, content.integrity)
+            if number == 2:
+                INTEGRITY_PAGE.write(bits, page)
 
     @staticmethod
     def _fill_basic(bits: NDArray[np.uint8], content: Broadcast, page: int, week: int) -> None:
@@ -157,15 +166,21 @@ class D2Message(BeidouMessage):
         if page == IONOSPHERE_PAGE and content.klobuchar is not None:
             KLOBUCHAR.write(bits, content.klobuchar.fields())
 
+    def read(self, frames: Sequence[Frame]) -> Contents:
+        """As others, and how other satellites are judged."""
+        return super().read(frames) + d2_integrity.read(frames)
+
     def said(self, frame: Frame, latest: dict[int, Frame]) -> Contents:
         """Pages of subframe 1 are an ephemeris and the ionosphere, subframe 5 has other pages."""
+        if frame.number == 5 and d2_integrity.points(frame.page):
+            return d2_integrity.read_grid(frame.bits, frame.page, frame.transmitted)
         if frame.number == 5:
             return beidou_pages.read(frame.bits, slot(frame.page), D2, frame.transmitted)
         if frame.number != 1 or not 1 <= frame.page <= BASIC_PAGES:
             return Contents()
         if frame.page == IONOSPHERE_PAGE:
             return ionosphere(KLOBUCHAR, frame)
-        latest[frame.page] = frame
+        gather(latest, frame.page, frame, PLACES[frame.page - 1])
         return self._orbit(latest)
 
     @staticmethod
@@ -173,10 +188,10 @@ class D2Message(BeidouMessage):
         """Ephemeris of the last pages of subframe 1, if they are of one set."""
         if len(latest) < BASIC_PAGES - 1:
             return Contents()
-        if not together([f.transmitted for f in latest.values()]):
-            return Contents()
         bits = np.zeros(BASIC_PAGES * PAGE_BITS, dtype=np.uint8)
         for page, frame in latest.items():
             bits[(page - 1) * PAGE_BITS : page * PAGE_BITS] = frame.bits
-        start = min(f.transmitted for f in latest.values())
-        return legacy_ephemeris(latest[CLOCK_PAGE].prn, D2, BASIC.read(bits), start)
+        fields, times = BASIC.read(bits), [f.transmitted for f in latest.values()]
+        if not together(times, same_reference=fields["toe"] == fields["toc"]):
+            return Contents()
+        return legacy_ephemeris(latest[CLOCK_PAGE].prn, D2, fields, min(times))

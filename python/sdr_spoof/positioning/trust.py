@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sdr_spoof import pvt
-from sdr_spoof.detectors.noise_floor import QUANTITY as NOISE_OF_THE_BAND
+from sdr_spoof import detectors, pvt
 from sdr_spoof.fixes import Status
 from sdr_spoof.fusion import SPOOFED, SUSPECT
 
@@ -65,4 +64,4 @@ def under_suspicion(seen: Observations, verdict: Verdict) -> NDArray[np.bool_]:
 def _by_its_own_signals(satellite: SatelliteVerdict) -> bool:
     """Whether anything but what all satellites of a band share speaks against it."""
     alarms = satellite.alarms
-    return not alarms or any(a.quantity != NOISE_OF_THE_BAND for a in alarms)
+    return not alarms or any(detectors.common_cause(a) is None for a in alarms)

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from sdr_spoof.aided.run import Aided
 
 
+SMOOTHED = " Smoothed: what is known afterwards, from measurements before and after each instant."
+
+
 @dataclass(frozen=True)
 class Part:
     """A figure and what it shows."""
@@ -93,10 +96,11 @@ def write_aided_report(
 def _parts(aided: Aided, truth_m: NDArray[np.float64] | None) -> Iterator[Part]:
     track = aided.track
     if track is not None:
+        later = "" if track.smoothed is None else SMOOTHED
         yield Part(
             "Map",
             "The way by GNSS alone, every satellite believed, and by the aided receiver. Shaded: "
-            "where it did not believe all satellites.",
+            f"where it did not believe all satellites.{later}",
             figures.draw_map(track, truth_m),
         )
         what = "the truth" if truth_m is not None else "the aided place, since the truth is unknown"
@@ -104,7 +108,7 @@ def _parts(aided: Aided, truth_m: NDArray[np.float64] | None) -> Iterator[Part]:
             "Error and protection levels",
             f"Distances from {what}. Green: what the aided place's error stays below with all but "
             f"{aided.risk:g} probability if the satellites in use are right. Shaded red: not all "
-            "satellites are believed.",
+            f"satellites are believed.{later}",
             figures.draw_errors(track, truth_m),
         )
         yield Part(

@@ -54,7 +54,7 @@ class ScenarioImu:
 
     def csv(self) -> str:
         """Its file."""
-        return table_reader.text(self.log)
+        return table_reader.text(self.log, self.sky.trajectory.lever_arm_m)
 
     def truth(self, time_s: NDArray[np.float64]) -> dict[str, Any]:
         """JSON-ready.

@@ -9,6 +9,8 @@ from sdr_spoof.errors import SignalError
 from sdr_spoof.signals import signal_spec
 from sdr_spoof.sources import RecordingFormat
 
+from .agc import gain_log
+from .emitters import transmissions
 from .synthesis import open_synthesizer
 
 if TYPE_CHECKING:
@@ -34,6 +36,8 @@ class LiveRecording:
         self.sample_count = plan.sample_count
         self.duration_s = plan.duration_s
         self._signals = {s for satellite in scenario.satellites for s in satellite.signals}
+        emitters = [t.emitter for t in transmissions(scenario)] if plan.agc is not None else []
+        self.gain = gain_log(plan, emitters, plan.duration_s)
         self._synthesizer = open_synthesizer(scenario, threads)
 
     def read_raw(self, start: int, count: int) -> NDArray[np.uint8]:

@@ -8,6 +8,8 @@ from pydantic import Field, model_validator
 
 from sdr_spoof.sources.model import SampledBand
 
+from .agc import AgcTable, NoisePoint
+
 _DEFAULT_RMS_LSB = {"i8": 16.0, "i16": 256.0, "f32": 1.0, "2": 2.0}
 
 
@@ -31,10 +33,15 @@ class RecordingPlan(SampledBand):
         description="rms of the recorded noise (of I and of Q) in output units; default 16 for "
         "int8, 256 for int16, 1 for float, 2 (the optimum) for 2-bit samples",
     )
+    noise: tuple[NoisePoint, ...] = Field((), description="how the noise rises and falls")
+    agc: AgcTable | None = Field(None, description="automatic gain control; a fixed gain without")
     seed: int = Field(1, ge=0, lt=2**63, description="seed of the noise and of random choices")
 
     @model_validator(mode="after")
     def _filter_fits(self) -> Self:
+        times = [point.time_s for point in self.noise]
+        if times != sorted(times):
+            raise ValueError("[[recording.noise]] time_s: the points must be in order of time")
         if self.filter_taps % 2 == 0:
             raise ValueError(f"filter_taps must be an odd number, not {self.filter_taps}")
         if self.bandwidth_hz is None:

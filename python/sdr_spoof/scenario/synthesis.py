@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING
 
 from sdr_spoof import _core
 from sdr_spoof.errors import OutputError
+from sdr_spoof.gain import gain_text
 from sdr_spoof.sources import RecordingFormat
 from sdr_spoof.sources.sigmf_file import DATA, META, write_meta
 
+from .agc import gain_control, gain_log, noise_knots
 from .dme_table import dme_csv
 from .emitters import transmissions
 from .imu_data import imu_of
@@ -41,16 +43,19 @@ def open_synthesizer(scenario: Scenario, threads: int | None = None) -> Synthesi
         threads: threads to use; None for one per core. The samples do not depend on it.
     """
     plan = scenario.recording
+    emitters = [t.emitter for t in transmissions(scenario)]
     return _core.Synthesizer(
         plan.sample_format,
         plan.sample_rate_hz,
         plan.lo_hz,
-        [t.emitter for t in transmissions(scenario)],
+        emitters,
         noise_rms_lsb=plan.rms_lsb,
         seed=scenario.noise_seed,
         bandwidth_hz=plan.bandwidth_hz,
         centre_hz=plan.front_end_centre_hz,
         filter_taps=plan.filter_taps,
+        noise_db=noise_knots(plan),
+        gain=gain_control(plan, emitters),
         threads=threads or 0,
     )
 
@@ -66,8 +71,9 @@ def synthesize(
     """Write ``<out>.sigmf-data``, ``<out>.sigmf-meta`` and ``<out>.truth.json``.
 
     A scenario with an IMU writes what it reads to ``<out>.imu.csv``; one with DME stations, the
-    slant ranges to them to ``<out>.dme.csv``; one with an array, what a
-    perfect INS would say to ``<out>.a0.vehicle.csv``.
+    slant ranges to them to ``<out>.dme.csv``; one with an array, what a perfect INS would say to
+    ``<out>.a0.vehicle.csv``; one with automatic gain control, the gain to ``<out>.agc.csv``, which
+    the metadata name.
 
     2-bit samples, which SigMF does not know, go to ``<out>.bin`` with ``<out>.bin.toml``. Ctrl-C
     leaves a valid, shorter recording, marked partial in its metadata and truth; KeyboardInterrupt
@@ -159,11 +165,13 @@ class _Files:
         self.imu = None if scenario.imu is None else _with(stem, ".imu.csv")
         self.dme = _with(stem, ".dme.csv") if scenario.dme else None
         self.vehicle = _with(stem, ".vehicle.csv") if moves_array(scenario) else None
+        self.agc = None if scenario.recording.agc is None else _with(stem, ".agc.csv")
         self.partial = _with(stem, ".part")
         self._raw = raw
 
     def check_absent(self) -> None:
-        for path in (self.data, self.meta, self.truth, self.imu, self.dme, self.vehicle):
+        others = (self.imu, self.dme, self.vehicle, self.agc)
+        for path in (self.data, self.meta, self.truth, *others):
             if path is not None and path.exists():
                 raise OutputError(f"{path}: exists already; give another name or use --force")
 
@@ -172,7 +180,10 @@ class _Files:
         scenario, plan = self.scenario, self.scenario.recording
         partial = count < plan.sample_count
         shared = {"sample_format", "sample_rate_hz", "lo_hz", "bandwidth_hz"}
-        format = RecordingFormat.model_validate(plan.model_dump(include=shared))
+        known = plan.model_dump(include=shared)
+        if self.agc is not None:
+            known["gain_file"] = self.agc.name
+        format = RecordingFormat.model_validate(known)
         if self._raw:
             self.meta.write_text(_sidecar(format, partial), encoding="utf-8")
         else:
@@ -185,6 +196,10 @@ class _Files:
         dme = dme_csv(scenario, count / plan.sample_rate_hz)
         if dme is not None and self.dme is not None:
             self.dme.write_text(dme, encoding="utf-8")
+        emitters = [t.emitter for t in transmissions(scenario)] if self.agc is not None else []
+        gain = gain_log(plan, emitters, count / plan.sample_rate_hz)
+        if gain is not None and self.agc is not None:
+            self.agc.write_text(gain_text(gain), encoding="ascii")
         if self.vehicle is not None:
             self.vehicle.write_text(vehicle_csv(scenario), encoding="ascii")
         text = json.dumps(truth(scenario, sample_count=count))

@@ -13,6 +13,9 @@ Every quantity is that of the synthesis itself, asked at the times of the table:
   or of its navigation message (``has_message``);
 - ``role``: authentic, spoof, meacon or multipath.
 
+``front_end``, where noise or gain change, has the level of the noise, the power at the quantiser's
+input and the gain at the same times, in dB against the nominal noise alone.
+
 ``attacks`` has an entry for each attacked satellite, ``disturbances`` one for each that has
 multipath, which is no attack. ``sky``, where the scenario has one, tells of the receiver's state
 and of the satellites in view, and ``imu`` of what its inertial sensors really went through.
@@ -27,6 +30,7 @@ import numpy as np
 
 from sdr_spoof.signals import components, signal_spec
 
+from .agc import front_end_truth
 from .attack import Position
 from .emitters import AUTHENTIC, Transmission, transmissions
 from .imu_data import imu_of
@@ -73,6 +77,9 @@ def truth(scenario: Scenario, *, sample_count: int | None = None) -> dict[str, A
         "emitters": [_emitter(t, time_s) for t in sent],
         "scenario": scenario.model_dump(),
     }
+    front_end = front_end_truth(plan, [t.emitter for t in sent], time_s)
+    if front_end is not None:
+        told["front_end"] = front_end
     sky = scenario.sky_model()
     if sky is not None:
         authentic = [t for t in sent if t.role == AUTHENTIC]

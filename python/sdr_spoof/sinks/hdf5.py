@@ -5,8 +5,9 @@ Layout: ``/`` holds ``partial`` and ``format_version``; ``/recording`` the forma
 ``/tracks/<signal>_<prn>`` and ``/combos/<lower>_<upper>_<prn>`` one column per field, one row per
 epoch;
 ``/second_peaks`` one column per field, one row per search; ``/breaks``, where there are any, one
-row per :class:`CountBreak`; ``/verdict`` with tables of satellites and alarms; ``/navigation``,
-``/observations`` and ``/fixes`` as :mod:`.hdf5_nested` has it. Every dataset has the attribute
+row per :class:`CountBreak`; ``/gain``, where that of the recorder was logged; ``/verdict`` with
+tables of satellites and alarms; ``/navigation``, ``/observations`` and ``/fixes`` as
+:mod:`.hdf5_nested` has it. Every dataset has the attribute
 ``units`` ("1" where it has none). No dates are stored.
 """
 
@@ -21,6 +22,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import h5py
 
 from sdr_spoof.errors import RecordingError
+from sdr_spoof.gain import COLUMNS as GAIN
+from sdr_spoof.gain import GainLog
 from sdr_spoof.gaps import CountBreak
 from sdr_spoof.records import (
     Acquisition,
@@ -150,6 +153,9 @@ def _write_log(file: h5py.File, log: TrackLog) -> None:
     records.write_rows(file.create_group("second_peaks"), SecondPeak, log.second_peaks)
     if log.breaks:
         records.write_rows(file.create_group("breaks"), CountBreak, log.breaks)
+    if log.gain is not None:
+        for name in GAIN:
+            records.write_array(file.require_group("gain"), name, getattr(log.gain, name))
     # In the order of the log, not of the names.
     tracks = file.create_group("tracks", track_order=True)
     for track in log.signals:
@@ -193,4 +199,5 @@ def _read_log(file: h5py.File) -> TrackLog:
         combos=tuple(records.read_track(g, ComboTrack) for g in file["combos"].values()),
         second_peaks=_read_rows(file, "second_peaks", SecondPeak),
         breaks=_read_rows(file, "breaks", CountBreak),
+        gain=GainLog(*(file["gain"][name][()] for name in GAIN)) if "gain" in file else None,
     )

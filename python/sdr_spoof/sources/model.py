@@ -67,6 +67,11 @@ class RecordingFormat(SampledBand):
         description="rf32, cf32: factor before rounding to 16 bits (if left out: such that the "
         "rms over the start of the file becomes 30)",
     )
+    gain_file: str | None = Field(
+        None,
+        description="CSV file with the gain of the recorder (columns time_s, gain_db), a path from "
+        "the folder of the recording: powers are then those at the antenna",
+    )
 
     @model_validator(mode="after")
     def _conjugate_needs_complex(self) -> Self:

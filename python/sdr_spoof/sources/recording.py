@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sdr_spoof.errors import RecordingError, SignalError
+from sdr_spoof.gain import read_gain
 from sdr_spoof.raw_files import read_all
 from sdr_spoof.signals import signal_ids, signal_spec
 
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from numpy.typing import NDArray
+
+    from sdr_spoof.gain import GainLog
 
     from .model import RecordingFormat
 
@@ -34,6 +37,7 @@ class Recording:
         sample_count: whole samples in the file.
         extra: what its metadata says beyond the format (own namespace keys of SigMF).
         start: UTC of the first sample, None where the metadata does not tell it.
+        gain: gain of the recorder, None for a constant or unknown one.
     """
 
     def __init__(
@@ -46,7 +50,8 @@ class Recording:
         """Open the file.
 
         Raises:
-            RecordingError: missing, not a file, empty, or not a whole number of samples.
+            RecordingError: missing, not a file, empty, or not a whole number of samples; a gain
+                log that is damaged.
         """
         self.path = path
         self.format = format
@@ -54,6 +59,9 @@ class Recording:
         self.start = start
         self._bits = format.bits_per_sample
         check_file(path)
+        self.gain: GainLog | None = (
+            None if format.gain_file is None else read_gain(path.parent / format.gain_file)
+        )
         size = path.stat().st_size - format.offset_bytes
         _check_size(path, size, format)
         self.sample_count = size * 8 // self._bits

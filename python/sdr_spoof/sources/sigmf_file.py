@@ -33,7 +33,7 @@ _DATATYPES = {
     "rf32_le": "rf32",
     "cf32_le": "cf32",
 }
-_OWN_FIELDS = ("lo_hz", "conjugate", "bandwidth_hz", "float_scale")
+_OWN_FIELDS = ("lo_hz", "conjugate", "bandwidth_hz", "float_scale", "gain_file")
 
 
 def describe(path: Path) -> Description:

@@ -10,6 +10,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from sdr_spoof.gain import GainLog
+
     from .model import RecordingFormat
 
 
@@ -23,6 +25,10 @@ class Source(Protocol):
     @property
     def format(self) -> RecordingFormat:
         """How samples are stored."""
+
+    @property
+    def gain(self) -> GainLog | None:
+        """Gain of the recorder; None for a constant or unknown one."""
 
     @property
     def sample_count(self) -> int:

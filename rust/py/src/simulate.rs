@@ -5,7 +5,7 @@ use pyo3::types::{PyDict, PyList};
 use sdr_spoof_core::correlator_level::{Gap, Setting, Simulator as CoreSimulator};
 use sdr_spoof_core::synth;
 
-use crate::synth::{filter, Emitter};
+use crate::synth::{drive, filter, Emitter, GainControl, Knots};
 use crate::to_py;
 use crate::track::{all_breaks, all_combo_rows, all_signal_rows, config, BreakTuple};
 
@@ -18,7 +18,7 @@ impl Simulator {
     #[new]
     #[pyo3(signature = (sample_rate_hz, lo_hz, config_values, emitters, targets, *, noise_power,
         seed=0, complex_samples=true, bandwidth_hz=None, centre_hz=None, filter_taps=63,
-        reacquire=true, threads=1, gaps=Vec::new()))]
+        reacquire=true, threads=1, gaps=Vec::new(), noise_db=Vec::new(), gain=None))]
     #[allow(clippy::too_many_arguments)] // keyword arguments in Python
     fn new(
         sample_rate_hz: f64,
@@ -35,6 +35,8 @@ impl Simulator {
         reacquire: bool,
         threads: usize,
         gaps: Vec<(f64, f64)>,
+        noise_db: Knots,
+        gain: Option<PyRef<'_, GainControl>>,
     ) -> PyResult<Self> {
         let band = (bandwidth_hz, centre_hz.unwrap_or(lo_hz) - lo_hz);
         let setting = Setting {
@@ -44,6 +46,7 @@ impl Simulator {
             noise_power,
             seed,
             gaps: gaps.into_iter().map(gap).collect(),
+            drive: drive(noise_db, gain)?,
         };
         let config = config(config_values)?;
         let emitters: Vec<synth::Emitter> = emitters.iter().map(|e| e.0.clone()).collect();

@@ -10,7 +10,7 @@ use sdr_spoof_core::{signal, synth};
 
 use crate::to_py;
 
-type Knots = Vec<(f64, f64)>;
+pub(crate) type Knots = Vec<(f64, f64)>;
 
 /// A range through knots: cubic Hermite, shared by the emitters that take it.
 #[pyclass(frozen, module = "sdr_spoof._core")]
@@ -200,6 +200,85 @@ fn map<'py>(
     values.into_pyarray(py)
 }
 
+/// The gain of an automatic gain control over a recording.
+#[pyclass(frozen, module = "sdr_spoof._core")]
+pub(crate) struct GainControl(Arc<synth::GainControl>);
+
+#[pymethods]
+impl GainControl {
+    #[new]
+    #[pyo3(signature = (sample_format, sample_rate_hz, lo_hz, emitters, *, duration_s,
+        time_constant_s, update_s, range_db, noise_db=vec![], bandwidth_hz=None, centre_hz=None,
+        filter_taps=63))]
+    #[allow(clippy::too_many_arguments)] // keyword arguments in Python
+    fn new(
+        sample_format: &str,
+        sample_rate_hz: f64,
+        lo_hz: f64,
+        emitters: Vec<PyRef<'_, Emitter>>,
+        duration_s: f64,
+        time_constant_s: f64,
+        update_s: f64,
+        range_db: (f64, f64),
+        noise_db: Knots,
+        bandwidth_hz: Option<f64>,
+        centre_hz: Option<f64>,
+        filter_taps: usize,
+    ) -> PyResult<Self> {
+        let format = SampleFormat::parse(sample_format).map_err(to_py)?;
+        let band = (bandwidth_hz, centre_hz.unwrap_or(lo_hz) - lo_hz);
+        let config = synth::SynthConfig {
+            sample_rate_hz,
+            lo_hz,
+            format,
+            noise_rms_lsb: 1.0,
+            noise: true,
+            seed: 0,
+            filter: filter(sample_rate_hz, band, filter_taps, format.is_complex())?,
+            threads: 0,
+        };
+        let settings = synth::GainSettings {
+            time_constant_s,
+            update_s,
+            range_db: range_db.into(),
+            duration_s,
+        };
+        let emitters: Vec<synth::Emitter> = emitters.iter().map(|e| e.0.clone()).collect();
+        let noise = synth::Profile::new(noise_db).map_err(to_py)?;
+        let gain = synth::GainControl::new(&config, settings, &emitters, &noise).map_err(to_py)?;
+        Ok(GainControl(Arc::new(gain)))
+    }
+
+    /// Gain at times in seconds, dB; at 0 dB the noise alone has its nominal level.
+    fn gain_db<'py>(
+        &self,
+        py: Python<'py>,
+        time_s: PyReadonlyArray1<'py, f64>,
+    ) -> Bound<'py, PyArray1<f64>> {
+        map(py, &time_s, |t| self.0.gain_db(t))
+    }
+
+    /// Power at the quantiser's input over that of the nominal noise, dB.
+    fn input_db<'py>(
+        &self,
+        py: Python<'py>,
+        time_s: PyReadonlyArray1<'py, f64>,
+    ) -> Bound<'py, PyArray1<f64>> {
+        map(py, &time_s, |t| self.0.input_db(t))
+    }
+}
+
+/// Level of the noise, and gain.
+pub(crate) fn drive(
+    noise_db: Knots,
+    gain: Option<PyRef<'_, GainControl>>,
+) -> PyResult<synth::Drive> {
+    Ok(synth::Drive {
+        noise_db: synth::Profile::new(noise_db).map_err(to_py)?,
+        gain: gain.map(|g| g.0.clone()),
+    })
+}
+
 /// Generates the samples of a recording, as a pure function of the sample index.
 #[pyclass(frozen, module = "sdr_spoof._core")]
 struct Synthesizer(synth::Synthesizer);
@@ -208,7 +287,8 @@ struct Synthesizer(synth::Synthesizer);
 impl Synthesizer {
     #[new]
     #[pyo3(signature = (sample_format, sample_rate_hz, lo_hz, emitters, *, noise_rms_lsb,
-        noise=true, seed=0, bandwidth_hz=None, centre_hz=None, filter_taps=63, threads=0))]
+        noise=true, seed=0, bandwidth_hz=None, centre_hz=None, filter_taps=63, noise_db=vec![],
+        gain=None, threads=0))]
     #[allow(clippy::too_many_arguments)] // keyword arguments in Python
     fn new(
         sample_format: &str,
@@ -221,6 +301,8 @@ impl Synthesizer {
         bandwidth_hz: Option<f64>,
         centre_hz: Option<f64>,
         filter_taps: usize,
+        noise_db: Knots,
+        gain: Option<PyRef<'_, GainControl>>,
         threads: usize,
     ) -> PyResult<Self> {
         let format = SampleFormat::parse(sample_format).map_err(to_py)?;
@@ -237,8 +319,9 @@ impl Synthesizer {
             threads,
         };
         let emitters = emitters.iter().map(|e| e.0.clone()).collect();
+        let drive = drive(noise_db, gain)?;
         synth::Synthesizer::new(config, emitters)
-            .map(Synthesizer)
+            .map(|s| Synthesizer(s.driven(drive)))
             .map_err(to_py)
     }
 
@@ -273,6 +356,7 @@ pub(crate) fn filter(
 pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<Spline>()?;
     m.add_class::<Emitter>()?;
+    m.add_class::<GainControl>()?;
     m.add_class::<Synthesizer>()?;
     Ok(())
 }

@@ -12,6 +12,7 @@ use sdr_spoof_core::inertial::tight::run::{navigate, ImuLog, Measured, Run, Sky}
 use sdr_spoof_core::inertial::tight::settings::{
     Form, ImuNoise, Mode, Published, ReceiverNoise, Settings, StartSigma, Testing,
 };
+use sdr_spoof_core::inertial::tight::smooth::Smoothed;
 use sdr_spoof_core::inertial::NavState;
 use sdr_spoof_core::nav_math::geodesy::{Geodetic, WGS84};
 
@@ -88,6 +89,7 @@ fn settings(v: &Bound<'_, PyDict>, lever_arm: [f64; 3]) -> PyResult<Settings> {
         lever_arm: Vector3::from(lever_arm),
         outages: get(v, "outages")?,
         bridge: get(v, "bridge_s")?,
+        smooth: get(v, "smooth")?,
     })
 }
 
@@ -227,19 +229,7 @@ fn to_dict(py: Python<'_>, made: Output, satellites: usize) -> PyResult<Bound<'_
             dict.set_item($name, array.into_pyarray(py))?;
         }};
     }
-    let positions = made.place.iter().map(|p| {
-        let place = Geodetic {
-            latitude: p[0],
-            longitude: p[1],
-            height: p[2],
-        };
-        <[f64; 3]>::from(WGS84.ecef(place))
-    });
-    put!(
-        "position_m",
-        positions.collect::<Vec<_>>().into_flattened(),
-        (e, 3)
-    );
+    put!("position_m", earth_fixed(&made.place), (e, 3));
     put!("velocity_ned", made.velocity.into_flattened(), (e, 3));
     put!("attitude_rad", made.attitude.into_flattened(), (e, 3));
     put!("covariance", made.covariance.into_flattened(), (e, 3, 3, 3));
@@ -279,7 +269,38 @@ fn to_dict(py: Python<'_>, made: Output, satellites: usize) -> PyResult<Bound<'_
         })
         .collect();
     dict.set_item("events", events)?;
+    let smoothed = made.smoothed.map(|s| smoothed_dict(py, s)).transpose()?;
+    dict.set_item("smoothed", smoothed)?;
     Ok(dict)
+}
+
+fn smoothed_dict(py: Python<'_>, made: Smoothed) -> PyResult<Bound<'_, PyDict>> {
+    let dict = PyDict::new(py);
+    let e = made.place.len();
+    let rows = |flat: Vec<f64>| Array::from_shape_vec((e, 3), flat).expect("a row an epoch");
+    let position = rows(earth_fixed(&made.place));
+    dict.set_item("position_m", position.into_pyarray(py))?;
+    let velocity = rows(made.velocity.into_flattened());
+    dict.set_item("velocity_ned", velocity.into_pyarray(py))?;
+    let attitude = rows(made.attitude.into_flattened());
+    dict.set_item("attitude_rad", attitude.into_pyarray(py))?;
+    let covariance = Array::from_shape_vec((e, 3, 3, 3), made.covariance.into_flattened());
+    let covariance = covariance.expect("a row an epoch");
+    dict.set_item("covariance", covariance.into_pyarray(py))?;
+    Ok(dict)
+}
+
+/// Latitude, longitude, height as coordinates in m, one after another.
+fn earth_fixed(places: &[[f64; 3]]) -> Vec<f64> {
+    let position = |p: &[f64; 3]| {
+        let place = Geodetic {
+            latitude: p[0],
+            longitude: p[1],
+            height: p[2],
+        };
+        <[f64; 3]>::from(WGS84.ecef(place))
+    };
+    places.iter().flat_map(position).collect()
 }
 
 pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {

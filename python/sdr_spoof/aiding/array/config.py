@@ -25,6 +25,9 @@ class ArrayConfig(BaseModel):
     yaw_sigma_deg: float = Field(
         0.5, ge=0, description="error of the INS's yaw since an earlier epoch"
     )
+    heading_sigma_deg: float = Field(
+        0.5, ge=0, description="error of the INS's yaw itself, for directions of arrival"
+    )
     line_sigma_cycles: float = Field(
         0.0, ge=0, description="unknown constant delay of each antenna's line"
     )

@@ -3,20 +3,22 @@
 Each unbroken piece of a satellite's phase differences is tested again and again while the vehicle
 moves on, each time with the epochs since the piece began. The false-alarm probability is that of
 the whole recording: it is shared equally among all tests of all satellites (Bonferroni), which a
-union bound makes safe however they are correlated.
+union bound makes safe however they are correlated. Where the delays of the lines are calibrated,
+each second is tested for its direction of arrival as well.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.special import ndtr
 
 from sdr_spoof.errors import AidingError
 from sdr_spoof.signals import LIGHT_M_S, signal_spec
 
-from . import motion, slips
+from . import arrival, motion, slips, verdict
 from .config import ArrayConfig
 from .phases import ArrayPhases
 from .tracks import differences, noise_cycles
@@ -35,7 +37,8 @@ if TYPE_CHECKING:
 
 GRID_S = 0.1
 """Spacing of the phases; their noise is taken as white at it."""
-SPOOFED, CLEAN, NO_SUPPORT = "spoofed", "clean", "not enough support"
+_SECOND = round(1.0 / GRID_S)
+"""Epochs of a test of the direction of arrival."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +53,21 @@ class Vehicle:
     """Of the reference antenna: north, east, down from the first one, (E, 3)."""
     look: Callable[[str], Floats | None]
     """Unit vectors north, east, down to a satellite by its RINEX name, (E, 3), or None."""
+
+
+@dataclass(frozen=True)
+class Arrivals:
+    """Directions of arrival of one signal against its satellite's, T tests."""
+
+    time_s: Floats
+    """End of each, (T,)."""
+    score: Floats
+    """Statistic as a normal number, (T,)."""
+
+    @property
+    def p_value(self) -> Floats:
+        """Probability under H0 of so large a statistic, (T,)."""
+        return np.asarray(ndtr(-self.score))
 
 
 @dataclass(frozen=True)
@@ -71,8 +89,11 @@ class Finding:
     p_value: Floats
     """(T,)"""
     threshold: float
-    """Of the score."""
+    """Of the scores."""
     alarm_s: float | None
+    """Of the first test of either kind."""
+    arrivals: Arrivals | None = None
+    """None where the lines are not calibrated, or no orbit is known."""
 
 
 def examine(
@@ -80,6 +101,7 @@ def examine(
     array: AntennaArray,
     vehicle: Vehicle,
     config: ArrayConfig | None = None,
+    lines_m: Sequence[float] | None = None,
 ) -> list[Finding]:
     """Test every signal that all antennas hold.
 
@@ -88,14 +110,18 @@ def examine(
         array: where the antennas are.
         vehicle: the INS at instants every :data:`GRID_S`.
         config: how to test.
+        lines_m: by how much longer each antenna's line is than the reference's, as calibrated,
+            (A - 1,); None: not calibrated, directions of arrival are not tested.
 
     Raises:
-        AidingError: fewer logs than antennas, or the reverse.
+        AidingError: fewer logs than antennas, or the reverse, or lines for others than these.
     """
     config = config or ArrayConfig()
     check_number(len(logs), array)
-    plans = [_plan(d, array, vehicle, config) for d in differences(logs, vehicle.time_s)]
-    tests = sum(len(p.ends) for p in plans)
+    check_lines(lines_m, array)
+    found = differences(logs, vehicle.time_s)
+    plans = [_plan(d, array, vehicle, config, lines_m) for d in found]
+    tests = sum(len(p.ends) + len(p.seconds) for p in plans)
     each = config.false_alarm_probability / max(tests, 1)
     return [_finding(p, array, vehicle, config, each) for p in plans]
 
@@ -107,18 +133,37 @@ def check_number(recordings: int, array: AntennaArray) -> None:
         raise AidingError(f"{recordings} recordings for an array of {antennas} antennas")
 
 
+def check_lines(lines_m: Sequence[float] | None, array: AntennaArray) -> None:
+    """Refuse calibrations of more or fewer lines than there are beside the reference's."""
+    if lines_m is not None and len(lines_m) != len(array.baselines_m):
+        raise AidingError(
+            f"{len(lines_m)} calibrated lines for an array of {len(array.baselines_m)} antennas "
+            "beside the reference; give one number for each"
+        )
+
+
 @dataclass(frozen=True)
 class _Plan:
     of: Differences
     sigma_cycles: float
     expected: Floats | None
     ends: list[tuple[int, int]]
-    """First and last epoch of each test."""
+    """First and last epoch of each test of motion."""
+    seconds: list[NDArray[np.intp]]
+    """Epochs of each test of the direction of arrival."""
 
 
-def _plan(of: Differences, array: AntennaArray, vehicle: Vehicle, config: ArrayConfig) -> _Plan:
+def _plan(
+    of: Differences,
+    array: AntennaArray,
+    vehicle: Vehicle,
+    config: ArrayConfig,
+    lines_m: Sequence[float] | None,
+) -> _Plan:
     """Where a satellite can be tested."""
-    wavelength = LIGHT_M_S / signal_spec(of.signal).carrier_hz
+    wavelength = _wavelength_m(of)
+    if lines_m is not None:
+        of = replace(of, cycles=of.cycles - np.asarray(lines_m) / wavelength)
     expected = vehicle.look(of.satellite)
     # Where no orbit is known, the zenith: level motion in it changes no phase.
     about = (
@@ -130,6 +175,7 @@ def _plan(of: Differences, array: AntennaArray, vehicle: Vehicle, config: ArrayC
         array, of.cycles, vehicle.attitude_rad, about, wavelength, of.least_slip_cycles / 2
     )
     ends: list[tuple[int, int]] = []
+    seconds: list[NDArray[np.intp]] = []
     for number in range(piece.max(initial=-1) + 1):
         rows = np.flatnonzero(piece == number)
         way = np.linalg.norm(vehicle.place_m[rows] - vehicle.place_m[rows[0]], axis=1)
@@ -138,32 +184,38 @@ def _plan(of: Differences, array: AntennaArray, vehicle: Vehicle, config: ArrayC
             if gone >= wanted:
                 ends.append((int(rows[0]), int(row)))
                 wanted = gone + config.test_every_m
-    return _Plan(of, noise_cycles(of.cycles), expected, ends)
+        if lines_m is not None and expected is not None:
+            whole = rows[: rows.size // _SECOND * _SECOND].reshape(-1, _SECOND)
+            seconds += list(whole)
+    return _Plan(of, noise_cycles(of.cycles), expected, ends, seconds)
 
 
 def _finding(
     plan: _Plan, array: AntennaArray, vehicle: Vehicle, config: ArrayConfig, pfa: float
 ) -> Finding:
     threshold = motion.normal_threshold(pfa)
-    usable = plan.ends if np.isfinite(plan.sigma_cycles) else []
+    noisy = not np.isfinite(plan.sigma_cycles)
+    usable = [] if noisy else plan.ends
     rows = [_test(plan, first, last, array, vehicle, config) for first, last in usable]
     table = np.array(rows).reshape(-1, 4)
-    table = table[np.isfinite(table[:, 2])]
-    over = np.flatnonzero(table[:, 2] > threshold)
-    alarm_s = float(table[over[0], 0]) if over.size else None
-    verdict, reason = _verdict(table, alarm_s, threshold, config)
+    time_s, way_m, score, p_value = table[np.isfinite(table[:, 2])].T
+    arrivals = None if noisy or not plan.seconds else _arrivals(plan, array, vehicle, config)
+    said = [verdict.moved(time_s, way_m, score, threshold)]
+    if arrivals is not None:
+        said.append(verdict.arrived(arrivals.time_s, arrivals.score, threshold))
+    alarms = [at for at, _ in said if at is not None]
     return Finding(
         plan.of.satellite,
         plan.of.signal,
-        verdict,
-        reason,
+        *verdict.of(said, config.least_way_m),
         plan.sigma_cycles,
-        table[:, 0],
-        table[:, 1],
-        table[:, 2],
-        table[:, 3],
+        time_s,
+        way_m,
+        score,
+        p_value,
         threshold,
-        alarm_s,
+        min(alarms, default=None),
+        arrivals,
     )
 
 
@@ -178,40 +230,46 @@ def _test(
     """Time, way, score and probability of one test."""
     count = min(config.most_epochs, last - first + 1)
     rows = np.unique(np.linspace(first, last, count).round().astype(np.intp))
-    cycles = plan.of.cycles[rows]
-    place = vehicle.place_m[rows]
-    phases = ArrayPhases(
+    phases = _phases(plan, rows, vehicle, config, config.yaw_sigma_deg)
+    value = motion.statistic(array, phases, config.form)
+    epochs = len(rows)
+    score = motion.normal_score(value, config.form, epochs)
+    way = float(np.linalg.norm(phases.displacement_m[-1]))
+    p = float(motion.p_value(value, config.form, epochs))
+    return float(vehicle.time_s[last]), way, float(score), p
+
+
+def _arrivals(plan: _Plan, array: AntennaArray, vehicle: Vehicle, config: ArrayConfig) -> Arrivals:
+    scores = []
+    for rows in plan.seconds:
+        phases = _phases(plan, rows, vehicle, config, config.heading_sigma_deg)
+        scores.append(float(arrival.score(arrival.statistic_of_all(array, phases), array)))
+    return Arrivals(vehicle.time_s[[rows[-1] for rows in plan.seconds]], np.array(scores))
+
+
+def _phases(
+    plan: _Plan,
+    rows: NDArray[np.intp],
+    vehicle: Vehicle,
+    config: ArrayConfig,
+    yaw_sigma_deg: float,
+) -> ArrayPhases:
+    """What some epochs measure."""
+    cycles, place = plan.of.cycles[rows], vehicle.place_m[rows]
+    return ArrayPhases(
         vehicle.time_s[rows],
         cycles - np.round(cycles[0]),
         vehicle.attitude_rad[rows],
         place - place[0],
         plan.sigma_cycles,
-        LIGHT_M_S / signal_spec(plan.of.signal).carrier_hz,
+        _wavelength_m(plan.of),
         None if plan.expected is None else plan.expected[rows],
         known_cycles=False,
         cycle_step=plan.of.least_slip_cycles,
-        yaw_sigma_rad=float(np.radians(config.yaw_sigma_deg)),
+        yaw_sigma_rad=float(np.radians(yaw_sigma_deg)),
         bias_sigma_cycles=config.line_sigma_cycles,
     )
-    value = motion.statistic(array, phases, config.form)
-    epochs = len(rows)
-    score = motion.normal_score(value, config.form, epochs)
-    way = float(np.linalg.norm(place[-1] - place[0]))
-    p = float(motion.p_value(value, config.form, epochs))
-    return float(vehicle.time_s[last]), way, float(score), p
 
 
-def _verdict(
-    table: Floats, alarm_s: float | None, threshold: float, config: ArrayConfig
-) -> tuple[str, str]:
-    if not len(table):
-        return NO_SUPPORT, (
-            f"no unbroken phases over {config.least_way_m:g} m of motion on all antennas"
-        )
-    largest = f"{float(table[:, 2].max()):.1f} sigma against {threshold:.1f}"
-    if alarm_s is None:
-        way = float(table[:, 1].max())
-        return CLEAN, f"its direction is a satellite's over up to {way:.0f} m; at most {largest}"
-    return SPOOFED, (
-        f"at {alarm_s:.1f} s its direction had moved as that of a source near by; at most {largest}"
-    )
+def _wavelength_m(of: Differences) -> float:
+    return LIGHT_M_S / signal_spec(of.signal).carrier_hz

@@ -25,7 +25,8 @@ class ImuConfig(BaseModel):
         "(default: FRD; RFU for novatel)",
     )
     lever_arm_m: tuple[float, float, float] = Field(
-        (0.0, 0.0, 0.0), description="antenna from the IMU: forward, right, down"
+        (0.0, 0.0, 0.0),
+        description="antenna from the IMU: forward, right, down (default: as its file tells, or 0)",
     )
     start: str | None = Field(
         None,

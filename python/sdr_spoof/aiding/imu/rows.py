@@ -62,6 +62,8 @@ class ImuRows:
     gyro_unit: Unit
     """As the file says, or as its format has it."""
     accel_unit: Unit
+    lever_arm_m: tuple[float, float, float] | None = None
+    """Antenna from the IMU, forward, right, down, where the file tells."""
 
     @property
     def interval_s(self) -> float:

@@ -2,12 +2,13 @@
 
 from .config import TightConfig, as_published
 from .navigate import run, run_many
-from .solution import STATES, TESTS, Event, Start, TightSolution
+from .solution import STATES, TESTS, Event, Smoothed, Start, TightSolution
 
 __all__ = [
     "STATES",
     "TESTS",
     "Event",
+    "Smoothed",
     "Start",
     "TightConfig",
     "TightSolution",

@@ -10,7 +10,7 @@ from sdr_spoof import _core
 from sdr_spoof.errors import AidingError
 
 from .config import TightConfig
-from .solution import STATES, TESTS, Event, Start, TightSolution
+from .solution import STATES, TESTS, Event, Smoothed, Start, TightSolution
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -146,6 +146,16 @@ def _solution(made: dict[str, Any], shared: Measurements) -> TightSolution:
         deviates=made["deviates"],
         state=made["state"],
         events=tuple(_event(e, shared.satellites) for e in made["events"]),
+        smoothed=None if made["smoothed"] is None else _smoothed(made["smoothed"]),
+    )
+
+
+def _smoothed(made: dict[str, Any]) -> Smoothed:
+    return Smoothed(
+        position_m=made["position_m"],
+        velocity_ned_m_s=made["velocity_ned"],
+        attitude_rad=made["attitude_rad"],
+        covariance=made["covariance"],
     )
 
 

@@ -88,6 +88,24 @@ class Event:
 
 
 @dataclass(frozen=True)
+class Smoothed:
+    """E epochs, each from all measurements, those after it as well; NaN where not valid.
+
+    Where the guard has gone back to a trusted copy, what was measured since then counts for
+    nothing: the way leads from that copy to the first measurements after the coasting.
+    """
+
+    position_m: Floats
+    """Earth-fixed, of the INS, (E, 3)."""
+    velocity_ned_m_s: Floats
+    """North, east, down (E, 3)."""
+    attitude_rad: Floats
+    """Yaw, pitch, roll (E, 3)."""
+    covariance: Floats
+    """Of position, velocity and attitude, north, east, down (E, 3, 3, 3)."""
+
+
+@dataclass(frozen=True)
 class TightSolution:
     """E epochs of S satellites; arrays (E, S, ...) have S = 0 where details were not asked for."""
 
@@ -132,6 +150,8 @@ class TightSolution:
     state: NDArray[np.uint8]
     """Of the guard, see :data:`STATES`, (E,)."""
     events: tuple[Event, ...]
+    smoothed: Smoothed | None = None
+    """None unless it was asked for."""
 
     @property
     def horizontal_sigma_m(self) -> Floats:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from sdr_spoof.aided.records import AidedTrack, Monitor
 
-AIDED, ALONE, LEVEL = "#0072b2", "#e08214", "#009e73"
+AIDED, ALONE, LEVEL, SMOOTHED = "#0072b2", "#e08214", "#009e73", "#a0307a"
 GUARD_COLOURS = {
     Guard.STARTING: "#dfe4e9",
     Guard.TRUSTED: "#00694f",
@@ -38,7 +38,7 @@ SHADE = "#fbe9e6"
 
 
 def draw_map(track: AidedTrack, truth_m: NDArray[np.float64] | None) -> str:
-    """Ways of GNSS alone and of the aided receiver, and the true one if it is known."""
+    """Ways of GNSS alone, of the aided receiver, also smoothed, and the true one if it is known."""
 
     def draw(figure: Figure) -> None:
         axes = figure.subplots()
@@ -56,6 +56,9 @@ def draw_map(track: AidedTrack, truth_m: NDArray[np.float64] | None) -> str:
             )
         aided = _local(track.position_m, origin)
         axes.plot(*_line(aided), color=AIDED, linewidth=1.6, label="aided", zorder=3)
+        if track.smoothed is not None:
+            later = _local(track.smoothed.position_m, origin)
+            axes.plot(*_line(later), color=SMOOTHED, linewidth=1.1, label="smoothed", zorder=4)
         for state in (Guard.DECIDING, Guard.PARTIAL, Guard.COASTING):
             rows = np.flatnonzero(track.guard == state)
             if rows.size:
@@ -95,6 +98,8 @@ def draw_errors(track: AidedTrack, truth_m: NDArray[np.float64] | None) -> str:
         lines = {"GNSS alone": (track.alone_m, ALONE)}
         if truth_m is not None:
             lines["aided"] = (track.position_m, AIDED)
+        if track.smoothed is not None:
+            lines["smoothed"] = (track.smoothed.position_m, SMOOTHED)
         bounds = {level: track.horizontal_m, height: track.vertical_m}
         for axes, bound in bounds.items():
             axes.fill_between(track.time_s, 0, bound, color=LEVEL, alpha=0.13, linewidth=0)

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import cycle
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from sdr_spoof.aiding.dme.judge import DME
+from sdr_spoof.report.sequential_words import TITLES
 
 from . import style
 
@@ -14,11 +18,8 @@ if TYPE_CHECKING:
     from sdr_spoof.aiding.dme.judge import Judgement
     from sdr_spoof.aiding.dme.watch import Watched
 
-TITLES = {
-    "difference-clock-free": "Satellites against the INS",
-    "parity-by-satellite": "Satellites against each other",
-    "dme-difference": "DME against the INS",
-}
+QUIET = ("#0072b2", "#009e73", "#e08214", "#cc79a7", "#56b4e9", "#8c6bb1", "#7f7f7f", "#b8a000")
+"""Channels that are not accused."""
 
 
 def draw_sequential(judgement: Judgement, watched: tuple[Watched, ...]) -> bytes:
@@ -29,14 +30,21 @@ def draw_sequential(judgement: Judgement, watched: tuple[Watched, ...]) -> bytes
         grid = figure.subplots(max(len(tests), 1), 2, width_ratios=(3.0, 1.0), squeeze=False)
         for row, test in zip(grid, tests, strict=False):
             mine = [w for w in watched if w.test == test]
-            for of in mine:
-                row[0].plot(*style.thinned(of.time_s, of.path), lw=1.0, label=of.channel)
-            row[0].axhline(mine[0].threshold, color=style.ALARM, ls="--", lw=1.0)
+            for of, colour in zip(mine, cycle(QUIET), strict=False):
+                accused = of.channel in judgement.spoofed or (judgement.captured and test == DME)
+                row[0].plot(
+                    *style.thinned(of.time_s, of.path),
+                    lw=1.8 if accused else 1.0,
+                    color=style.ALARM if accused else colour,
+                    zorder=3 if accused else 2,
+                    label=of.channel,
+                )
+            row[0].axhline(mine[0].threshold, color=style.INK, ls="--", lw=1.0)
             if judgement.alarm_s is not None:
-                row[0].axvline(judgement.alarm_s, color=style.ALARM, lw=0.8)
+                row[0].axvline(judgement.alarm_s, color=style.INK, ls=":", lw=0.9)
             row[0].set(ylabel="statistic", ylim=(0, 2.5 * mine[0].threshold))
-            row[0].set_title(TITLES.get(test, test))
-            row[0].legend(loc="upper left", ncols=8, fontsize=7)
+            row[0].set_title(TITLES[test])
+            row[0].legend(loc="upper left", ncols=8, fontsize=7, frameon=True, edgecolor="none")
             before_s = np.inf if judgement.alarm_s is None else judgement.alarm_s
             z = np.concatenate([of.z[of.time_s < before_s] for of in mine])
             x = np.linspace(-6.0, 6.0, 61)

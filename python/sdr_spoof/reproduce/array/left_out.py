@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sdr_spoof.reproduce.study import Number, Picture, Section, Table, near
+from sdr_spoof.reproduce.study import Number, Picture, Section, Table
 
 from . import effects, published
 from .figures import draw_law
+from .shares import drawn, four_sigmas
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -121,16 +122,20 @@ def _numbers(
             what = f"Pfa {at}, cycles ignored"
             numbers.append(Number(f"{name}_ignored", what, t.ignored_pfa, 0.92, 1.0, "", 0.94))
             known = PD_OF_TURN[t.turn_deg]
-            numbers.append(_drawn(f"{name}_pd", f"Pd {at}", t.pair_pd, known, runs))
+            numbers.append(drawn(f"{name}_pd", f"Pd {at}", t.pair_pd, known, runs, other_runs=1e4))
     for e in errors:
         reference = {"tilt": PFA_OF_TILT, "yaw": PFA_OF_YAW}[e.kind][e.error_deg]
         name, at = f"{e.kind}_{e.error_deg:g}", f"at {e.error_deg:g} degrees of {e.kind}"
-        numbers.append(_drawn(name, f"Pfa {at}", e.published_pfa, reference, runs, 0.02))
+        numbers.append(
+            drawn(name, f"Pfa {at}", e.published_pfa, reference, runs, other_runs=1e4, share=0.02)
+        )
         cured = f"Pfa {at}, cured"
-        numbers.append(_drawn(f"{name}_cured", cured, e.cured_pfa, published.PFA, runs))
+        numbers.append(
+            drawn(f"{name}_cured", cured, e.cured_pfa, published.PFA, runs, other_runs=1e4)
+        )
     for form, rates in everything.items():
         at = f"all at once, {form}"
-        least = LEAST_PD - (0.0 if runs >= 10_000 else _four_sigmas(LEAST_PD, runs))
+        least = LEAST_PD - (0.0 if runs >= 10_000 else four_sigmas(LEAST_PD, runs))
         numbers.append(_at_most(f"together_pfa_{form}", f"Pfa, {at}", rates.pfa, runs))
         numbers.append(Number(f"together_pd_{form}", f"Pd at 242 m, {at}", rates.pd, least, 1.0))
     return numbers
@@ -138,17 +143,5 @@ def _numbers(
 
 def _at_most(name: str, what: str, value: float, runs: int) -> Number:
     """A Pfa within the limit; with few runs, within four standard errors of the nominal one."""
-    limit = max(MOST_PFA, published.PFA + _four_sigmas(published.PFA, runs))
+    limit = max(MOST_PFA, published.PFA + four_sigmas(published.PFA, runs))
     return Number(name, what, value, 0.0, limit, "", published.PFA)
-
-
-def _drawn(
-    name: str, what: str, value: float, reference: float, runs: int, share: float = 0.0
-) -> Number:
-    """Within four standard errors of another simulation of 10 000 runs, or a share of it more."""
-    spread = float(np.hypot(_four_sigmas(reference, runs), _four_sigmas(reference, 10_000)))
-    return near(name, what, value, reference, spread + share * reference + 0.5 / runs)
-
-
-def _four_sigmas(share: float, runs: int) -> float:
-    return 4 * float(np.sqrt(share * (1 - share) / runs))

@@ -12,6 +12,7 @@ from sdr_spoof.reproduce.study import Number, Picture, Section, Table, near
 
 from . import published
 from .figures import draw_roc, draw_statistic
+from .shares import drawn
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -187,14 +188,16 @@ def _drawn_numbers(
     numbers = []
     for k, law in enumerate(published.detected(noncentral)):
         name, what = f"drawn_pd_t{k + 1}", f"Pd of the published test at t{k + 1}, drawn"
-        numbers.append(_drawn(name, what, rates["spoofer", "pair"][k], float(law), runs))
+        numbers.append(drawn(name, what, rates["spoofer", "pair"][k], float(law), runs))
     for k, reference in enumerate(MATCHED[:3]):
         name, what = f"matched_pd_t{k + 1}", f"Pd of the matched test at t{k + 1}"
-        numbers.append(_drawn(name, what, rates["spoofer", "matched"][k], reference, runs, 1e4))
+        numbers.append(
+            drawn(name, what, rates["spoofer", "matched"][k], reference, runs, other_runs=1e4)
+        )
     for form in motion.FORMS:
         for k in range(5):
             name, what = f"pfa_{form}_t{k + 1}", f"Pfa of the test '{form}' at t{k + 1}"
-            numbers.append(_drawn(name, what, rates["satellite", form][k], published.PFA, runs))
+            numbers.append(drawn(name, what, rates["satellite", form][k], published.PFA, runs))
     return numbers
 
 
@@ -203,17 +206,9 @@ def _dense_numbers(dense: dict[str, list[float]], runs: int) -> list[Number]:
     for k, reference in enumerate(DENSE[:2]):
         what = f"Pd of the matched test with all epochs to t{k + 1} of 26"
         numbers.append(
-            _drawn(f"dense_pd_t{k + 1}", what, dense["spoofer"][k], reference, runs, 1e4)
+            drawn(f"dense_pd_t{k + 1}", what, dense["spoofer"][k], reference, runs, other_runs=1e4)
         )
     for k, value in enumerate(dense["satellite"]):
         what = f"Pfa of the matched test with all epochs to t{k + 1} of 26"
-        numbers.append(_drawn(f"dense_pfa_t{k + 1}", what, value, published.PFA, runs))
+        numbers.append(drawn(f"dense_pfa_t{k + 1}", what, value, published.PFA, runs))
     return numbers
-
-
-def _drawn(
-    name: str, what: str, value: float, law: float, runs: int, other_runs: float = np.inf
-) -> Number:
-    """A drawn share within four standard errors of its law, or of another simulation's share."""
-    spread = 4 * np.sqrt(law * (1 - law) * (1 / runs + 1 / other_runs)) + 0.5 / runs
-    return near(name, what, value, law, float(spread))

@@ -12,6 +12,7 @@ import numpy as np
 from sdr_spoof.errors import NavigationError
 from sdr_spoof.nav.orbit import states
 from sdr_spoof.nav.rinex_nav import read_navigation
+from sdr_spoof.nav.time import GnssTime
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
     from sdr_spoof.nav.ephemeris import Ephemeris
     from sdr_spoof.nav.records import Navigation
-    from sdr_spoof.nav.time import GnssTime
 
     from .ranges import Orbit
     from .table import SkyTable
@@ -29,6 +29,11 @@ _EARTH_RATE = {"G": 7.2921151467e-5, "C": 7.292115e-5}
 """IS-GPS-200, table 20-IV; BDS-SIS-ICD-B1I-3.0, section 3.2."""
 UNHEALTHY = {"G": 0b111111, "C": 1}
 """IS-GPS-200, 20.3.3.3.1.4: all signals bad; BDS-SIS-ICD-B1I-3.0, 5.2.4.6, and B1C, 7.14."""
+LEAD_S = {"G": 7200.0, "C": 0.0}
+"""Between an ephemeris' first transmission and its reference: IS-GPS-200, 20.3.4.5 (the middle of
+four hours); BDS-SIS-ICD-B1I-3.0, 5.2.4.10 and 11 (new ones begin with the hour of ``toe``)."""
+ISSUE_GRID_S = 90
+"""Frames of all messages begin together at multiples of this of a week: 30 s and 18 s."""
 DEFAULT = Path(__file__).parents[1] / "data" / "brdc-2023-03-12.rnx"
 """Broadcast orbits of GPS and BDS of 2023-03-12, 10 to 14 h (see NOTICE)."""
 
@@ -75,6 +80,30 @@ def chosen(
     if not best:
         raise ValueError(_stale(table, known, start, duration_s))
     return tuple(_as_sent(e, table) for e in best.values())
+
+
+def issues(
+    navigation: Navigation, table: SkyTable, main: Ephemeris
+) -> tuple[tuple[GnssTime, Ephemeris], ...]:
+    """From when a satellite sends which ephemeris, in order; the first also before its time.
+
+    ``main`` is that of its orbit; those of the other messages and unhealthy ones are left out.
+    """
+    if not table.new_issues:
+        return ((_begin(main), main),)
+    same = (main.system, main.prn, main.message)
+    known = {
+        _begin(e): e
+        for e in navigation.ephemerides
+        if (e.system, e.prn, e.message) == same and e.health == 0
+    }
+    return tuple((begin, _as_sent(known[begin], table)) for begin in sorted(known))
+
+
+def _begin(e: Ephemeris) -> GnssTime:
+    """When it is sent first, on a boundary of all messages' frames."""
+    week, tow = (e.toe + -LEAD_S[e.system]).week_tow(e.system)
+    return GnssTime.of_week(week, -(-tow // ISSUE_GRID_S) * ISSUE_GRID_S, e.system)
 
 
 def _as_sent(ephemeris: Ephemeris, table: SkyTable) -> Ephemeris:

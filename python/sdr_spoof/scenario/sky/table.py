@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from datetime import datetime
 from typing import TYPE_CHECKING, Any, Literal, Self
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 from pydantic import BaseModel, Field, field_validator, model_validator
 
 from sdr_spoof.nav.instants import instant
+from sdr_spoof.nav.integrity import Integrity
 from sdr_spoof.nav.time import GnssTime
 from sdr_spoof.scenario.base import FROZEN
 from sdr_spoof.signals import components, signal_spec
@@ -35,6 +37,13 @@ class SatelliteOverride(BaseModel):
     signals: tuple[str, ...] | None = Field(None, description="its signals")
     on_air: bool = Field(True, description="false: it is left out")
     healthy: bool = Field(True, description="false: it sends as ever, and that it is unhealthy")
+    udrei: int | None = Field(
+        None, ge=0, le=15, description="UDREI that geostationary BDS satellites tell of it (D2)"
+    )
+    rurai: int | None = Field(None, ge=0, le=15, description="likewise, RURAI")
+    correction_m: float | None = Field(
+        None, ge=-409.5, le=409.5, description="likewise, equivalent clock correction"
+    )
 
 
 class SkyTable(BaseModel):
@@ -90,6 +99,12 @@ class SkyTable(BaseModel):
     messages: bool = Field(
         True, description="false: pseudo-random symbols instead of navigation messages"
     )
+    new_issues: bool = Field(
+        False,
+        description="messages change to the next ephemeris of the navigation file when a satellite "
+        "would: BDS at its reference time, each full hour, GPS two hours before it. The satellites "
+        "stay on the orbit of one ephemeris, which has no steps",
+    )
     clock: ReceiverClock = Field(ReceiverClock.model_validate({}), description="receiver's clock")
     array: ArrayTable | None = Field(None, description="several antennas instead of one")
     satellite: tuple[SatelliteOverride, ...] = Field((), description="what differs")
@@ -126,6 +141,20 @@ class SkyTable(BaseModel):
         """What differs for a satellite."""
         found = (s for s in self.satellite if (s.system, s.prn) == (system, prn))
         return next(found, SatelliteOverride(prn=prn, system=system))
+
+    @property
+    def integrity(self) -> tuple[Integrity, ...]:
+        """How geostationary BDS satellites judge those of which something is said."""
+        return tuple(
+            Integrity(
+                s.prn,
+                udrei=s.udrei or 0,
+                rurai=s.rurai or 0,
+                correction_m=math.nan if s.correction_m is None else s.correction_m,
+            )
+            for s in self.satellite
+            if s.system == "C" and (s.udrei, s.rurai, s.correction_m) != (None, None, None)
+        )
 
     def trajectory(self, duration_s: float, *, reference: bool = False) -> Trajectory:
         """Motion of the antenna that is recorded, or of an array's reference antenna."""

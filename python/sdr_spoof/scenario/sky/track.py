@@ -16,7 +16,7 @@ from sdr_spoof.scenario.motion import Motion
 from sdr_spoof.scenario.satellite import Satellite
 from sdr_spoof.signals import components, signal_spec
 
-from . import messages
+from . import messages, orbits
 from .clock import STEP_S
 
 if TYPE_CHECKING:
@@ -117,18 +117,35 @@ class Track:
         """Data symbols from code phase 0 on; None where the message is not to be had."""
         if not self.sky.table.messages:
             return None
-        length_s = self.sky.start - self.reference + self.sky.duration_s + 2.0
-        return messages.symbols(self._content(), spec.id, self.reference, length_s)
+        end = self.sky.start + (self.sky.duration_s + 2.0)
+        parts = [
+            messages.symbols(self._content(e), spec.id, begin, until - begin)
+            for begin, until, e in self.issues(self.reference, end)
+        ]
+        known = [p for p in parts if p is not None]
+        return np.concatenate(known) if known else None
 
-    def _content(self) -> Broadcast:
+    def issues(self, start: GnssTime, end: GnssTime) -> list[tuple[GnssTime, GnssTime, Ephemeris]]:
+        """From when until when it sends which ephemeris."""
+        sent = orbits.issues(self.sky.navigation, self.sky.table, self.ephemeris)
+        found = []
+        for n, (begin, e) in enumerate(sent):
+            first = start if n == 0 else max(begin, start)
+            last = min(sent[n + 1][0], end) if n + 1 < len(sent) else end
+            if first < last:
+                found.append((first, last, e))
+        return found
+
+    def _content(self, ephemeris: Ephemeris) -> Broadcast:
         propagation, system = self.sky.propagation, self.ephemeris.system
         utc = (u for u in self.sky.navigation.utc if u.system == system)
         return Broadcast(
-            self.ephemeris,
+            ephemeris,
             self.sky.ephemerides,
             klobuchar=propagation.klobuchar(system),
             bdgim=propagation.bdgim,
             utc=next(utc, None),
+            integrity=self.sky.table.integrity,
         )
 
     def _spline(self, carrier_hz: float) -> _core.Spline:

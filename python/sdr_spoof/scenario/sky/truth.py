@@ -8,7 +8,8 @@
 - ``satellites``: ``distance_m`` (the light's way), ``azimuth_deg``, ``elevation_deg``,
   ``satellite_clock_s`` (relativity included, group delays not), ``ionosphere_m`` (of a code at
   1575.42 MHz), ``troposphere_m``, and ``pseudorange_m`` of each component: c times the time of the
-  receiver's clock, less that of the satellite's code;
+  receiver's clock, less that of the satellite's code; ``issues``, what ephemeris its messages tell
+  from when on;
 - ``counterfeit``: for each false position ``position_m`` and ``clock_s`` beyond the receiver's.
 
 ``delay_s`` is what ``code_delay_s`` of the satellite's emitters has beyond its pseudorange over c:
@@ -102,7 +103,7 @@ def _satellite(
     time_s: NDArray[np.float64],
     sent: Sequence[Transmission],
 ) -> dict[str, Any]:
-    view, ephemeris = track.view, track.ephemeris
+    view, ephemeris, sky = track.view, track.ephemeris, track.sky
     delay_s = track.reference - track.sky.start
     pseudoranges = {}
     for t in sent:
@@ -115,6 +116,10 @@ def _satellite(
         "message": ephemeris.message,
         "toe_gpst_s": ephemeris.toe.seconds,
         "delay_s": delay_s,
+        "issues": [
+            {"from_s": begin - sky.start, "toe_gpst_s": e.toe.seconds, "iode": e.iode}
+            for begin, _, e in track.issues(sky.start, sky.start + sky.duration_s)
+        ],
         "distance_m": _rounded(view.way.distance_m[at], 4),
         "azimuth_deg": _rounded(np.degrees(view.way.azimuth_rad[at]), 5),
         "elevation_deg": _rounded(np.degrees(view.way.elevation_rad[at]), 5),

@@ -24,7 +24,7 @@ use front_end::FrontEnd;
 pub(crate) use simulated::Simulated;
 pub use simulator::Simulator;
 
-use crate::synth::Filter;
+use crate::synth::{Drive, Filter};
 
 /// What is simulated, apart from who transmits.
 #[derive(Debug, Clone)]
@@ -42,6 +42,8 @@ pub struct Setting {
     pub seed: u64,
     /// Where samples are missing from the recording.
     pub gaps: Vec<Gap>,
+    /// Level of the noise, and gain; saturation is left out.
+    pub drive: Drive,
 }
 
 /// Samples that a recording lacks.

@@ -13,7 +13,7 @@ use crate::dsp::replica::SLICE_S;
 use crate::nco::CYCLE;
 use crate::signal::{Layer, Modulation, SignalSpec};
 use crate::synth::random::hash;
-use crate::synth::Emitter;
+use crate::synth::{Drive, Emitter};
 use crate::track::epoch::Seed;
 use crate::track::taps::Taps;
 use crate::{Result, C64};
@@ -62,6 +62,7 @@ pub(crate) struct Simulated {
     /// Noise power of the signal's own code far off, at 1 Hz of C/N0.
     own_noise_share: Disturbance,
     noise: TapNoise,
+    drive: Drive,
     slice: Slice,
 }
 
@@ -146,6 +147,7 @@ impl Simulated {
                 ..Slice::default()
             },
             taps: places,
+            drive: setting.drive.clone(),
             main,
             companion: companion.transpose()?,
         })
@@ -175,11 +177,17 @@ impl Simulated {
         let other_codes = self.hear_main(&span, length, other_codes);
         self.hear_companion(&span, length);
         let slice = &mut self.slice;
-        let [inner, outer] = other_codes.map(|o| 1.0 + o);
+        let thermal = self.drive.noise_power(span.time_s[0]);
+        let [inner, outer] = other_codes.map(|o| thermal + o);
         let power = self.noise_power * length * inner;
         let companion = self.noise.add(power, outer / inner, &mut slice.taps);
         if self.companion.is_some() {
             slice.companion += companion;
+        }
+        if let Some(gain) = &self.drive.gain {
+            let gain = gain.ratio(span.time_s[0]);
+            slice.taps.iter_mut().for_each(|tap| *tap *= gain);
+            slice.companion *= gain;
         }
         self.clock = after;
         self.index = (self.index + 1) % self.slices;

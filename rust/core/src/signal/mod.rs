@@ -7,6 +7,7 @@ mod b1i;
 pub mod code;
 mod e5;
 mod l1ca;
+pub(crate) mod spectrum;
 
 use crate::{Error, Result};
 

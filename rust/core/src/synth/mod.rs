@@ -8,6 +8,7 @@ mod composite;
 mod data;
 mod emitter;
 pub(crate) mod filter;
+mod gain;
 mod motion;
 mod pair;
 mod piece;
@@ -25,6 +26,7 @@ use rayon::prelude::*;
 pub use data::Data;
 pub use emitter::{Emitter, SPEED_OF_LIGHT};
 pub use filter::Filter;
+pub use gain::{Drive, GainControl, GainSettings};
 pub use profile::Profile;
 pub use spline::{Knot, Spline};
 
@@ -77,6 +79,7 @@ pub struct Synthesizer {
     noise: [Noise; 2],
     pool: rayon::ThreadPool,
     level: Level,
+    drive: Drive,
     /// Buffers that no thread is using.
     spare: Mutex<Vec<Workspace>>,
 }
@@ -120,6 +123,7 @@ impl Synthesizer {
             noise,
             pool,
             level: Level::best(),
+            drive: Drive::default(),
             spare: Mutex::default(),
         })
     }
@@ -127,6 +131,11 @@ impl Synthesizer {
     /// The same samples, made at most at this level of vector instructions.
     pub fn at_level(self, level: Level) -> Self {
         Synthesizer { level, ..self }
+    }
+
+    /// With another level of noise or gain than the constant ones.
+    pub fn driven(self, drive: Drive) -> Self {
+        Synthesizer { drive, ..self }
     }
 
     /// Bytes of the samples `start..start + count`.

@@ -40,7 +40,7 @@ impl Synthesizer {
             if ready > done {
                 let count = (ready - done) as usize;
                 let (part, rest) = out.split_at_mut(count * bits / 8);
-                self.finish(workspace, count, part);
+                self.finish(workspace, done, count, part);
                 (done, out) = (ready, rest);
             }
             from = upto;
@@ -54,17 +54,18 @@ impl Synthesizer {
         } = workspace;
         let (count, loops) = ((to - from) as usize, self.loops());
         let parts = 1 + usize::from(self.config.format.is_complex());
+        let segment = from.div_euclid(SEGMENT);
         for (raw, noise) in raw.iter_mut().zip(&self.noise).take(parts) {
             let start = raw.len();
             raw.resize(start + count, 0.0);
             if self.config.noise {
                 noise.fill(loops, from, &mut raw[start..]);
+                self.raise(segment, &mut raw[start..]);
             }
         }
         let [re, im] = raw;
         let start = re.len() - count;
         let (re, im) = (&mut re[start..], im.get_mut(start..).unwrap_or_default());
-        let segment = from.div_euclid(SEGMENT);
         let part = (from - segment * SEGMENT, to - segment * SEGMENT);
         diff.resize(count + 1, 0);
         for band in &self.bands {
@@ -81,8 +82,18 @@ impl Synthesizer {
         }
     }
 
-    /// Filters and quantises `count` samples and forgets them.
-    fn finish(&self, workspace: &mut Workspace, count: usize, out: &mut [u8]) {
+    /// Noise of a segment to its level there.
+    fn raise(&self, segment: i64, noise: &mut [f32]) {
+        if self.drive.noise_is_steady() {
+            return;
+        }
+        let middle = (segment as f64 + 0.5) * SEGMENT as f64 / self.config.sample_rate_hz;
+        let ratio = self.drive.noise_power(middle).sqrt() as f32;
+        noise.iter_mut().for_each(|n| *n *= ratio);
+    }
+
+    /// Filters and quantises `count` samples from sample `at` on and forgets them.
+    fn finish(&self, workspace: &mut Workspace, at: i64, count: usize, out: &mut [u8]) {
         let Workspace {
             raw,
             filtered,
@@ -114,10 +125,30 @@ impl Synthesizer {
             pairs.for_each(|((pair, &i), &q)| pair.copy_from_slice(&[i, q]));
             values = scratch;
         }
-        let format = self.config.format;
-        self.loops().pack(format, values, gain as f32, out);
+        self.quantise(at, values, gain, out);
         for raw in raw {
             raw.drain(..count.min(raw.len()));
+        }
+    }
+
+    /// Quantises values from sample `at` on, I and Q interleaved if complex.
+    fn quantise(&self, at: i64, values: &[f32], gain: f64, out: &mut [u8]) {
+        let (format, loops) = (self.config.format, self.loops());
+        let Some(control) = &self.drive.gain else {
+            return loops.pack(format, values, gain as f32, out);
+        };
+        let (parts, bits) = (
+            1 + usize::from(format.is_complex()),
+            format.bits_per_sample(),
+        );
+        let (mut at, mut values, mut out) = (at, values, out);
+        while !values.is_empty() {
+            let (ratio, left) = control.at_sample(at);
+            let count = left.min(values.len() / parts);
+            let (now, later) = values.split_at(count * parts);
+            let (bytes, rest) = out.split_at_mut(count * bits / 8);
+            loops.pack(format, now, (gain * ratio) as f32, bytes);
+            (at, values, out) = (at + count as i64, later, rest);
         }
     }
 }

@@ -1,7 +1,11 @@
 //! The output is a pure function of the sample index.
 
 use sdr_spoof_core::simd::Level;
-use sdr_spoof_core::synth::{Data, Emitter, Filter, Profile, SynthConfig, Synthesizer};
+use std::sync::Arc;
+
+use sdr_spoof_core::synth::{
+    Data, Drive, Emitter, Filter, GainControl, GainSettings, Profile, SynthConfig, Synthesizer,
+};
 
 use crate::reference::{config, emitter};
 
@@ -37,27 +41,47 @@ fn with_filter(format: &str, threads: usize) -> Synthesizer {
     Synthesizer::new(config, scene()).unwrap()
 }
 
+/// Noise that rises, and a gain that follows it.
+fn with_gain(format: &str, threads: usize) -> Synthesizer {
+    let noise_db = Profile::new(vec![(0.0, 0.0), (4e-4, 0.0), (4e-4, 12.0)]).unwrap();
+    let settings = GainSettings {
+        time_constant_s: 1e-4,
+        update_s: 1e-5,
+        range_db: [-40.0, 20.0],
+        duration_s: 1e-3,
+    };
+    let plan = config(format, 120e6, 1538.259e6);
+    let gain = GainControl::new(&plan, settings, &scene(), &noise_db).unwrap();
+    with_filter(format, threads).driven(Drive {
+        noise_db,
+        gain: Some(Arc::new(gain)),
+    })
+}
+
 #[test]
 fn neither_cuts_nor_threads_matter() {
     for format in ["ri8", "ci8", "ri16", "cf32", "r2", "c2"] {
-        let one = with_filter(format, 1);
-        let three = with_filter(format, 3);
-        for origin in [0u64, (1 << 35) + 4] {
-            let count = 100_000;
-            let whole = one.generate(origin, count).unwrap();
-            assert!(
-                whole == three.generate(origin, count).unwrap(),
-                "{format}: threads"
-            );
-            let mut joined = Vec::new();
-            let mut at = 0;
-            for length in [4, 120, 16_384, 30_000, 36, 53_456] {
-                joined.extend(three.generate(origin + at, length).unwrap());
-                at += length as u64;
-            }
-            assert_eq!(at, count as u64);
-            assert!(joined == whole, "{format}: cuts");
+        cuts_and_threads(format, &with_filter(format, 1), &with_filter(format, 3));
+        cuts_and_threads(format, &with_gain(format, 1), &with_gain(format, 3));
+    }
+}
+
+fn cuts_and_threads(format: &str, one: &Synthesizer, three: &Synthesizer) {
+    for origin in [0u64, (1 << 35) + 4] {
+        let count = 100_000;
+        let whole = one.generate(origin, count).unwrap();
+        assert!(
+            whole == three.generate(origin, count).unwrap(),
+            "{format}: threads"
+        );
+        let mut joined = Vec::new();
+        let mut at = 0;
+        for length in [4, 120, 16_384, 30_000, 36, 53_456] {
+            joined.extend(three.generate(origin + at, length).unwrap());
+            at += length as u64;
         }
+        assert_eq!(at, count as u64);
+        assert!(joined == whole, "{format}: cuts");
     }
 }
 

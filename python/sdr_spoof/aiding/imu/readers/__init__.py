@@ -34,6 +34,8 @@ class ImuReading:
     format: str
     notes: tuple[str, ...]
     """What was left out, and what could not be told."""
+    lever_arm_m: tuple[float, float, float] | None = None
+    """Antenna from the IMU, where the file tells."""
 
 
 def read_imu(path: Path | str, config: ImuConfig | None = None) -> ImuReading:
@@ -63,7 +65,7 @@ def read_imu(path: Path | str, config: ImuConfig | None = None) -> ImuReading:
     )
     if config.checks:
         notes += plausible(rows)
-    return ImuReading(rows.increments(), reader.name, tuple(notes))
+    return ImuReading(rows.increments(), reader.name, tuple(notes), rows.lever_arm_m)
 
 
 def _reader(path: Path, config: ImuConfig) -> Reader:

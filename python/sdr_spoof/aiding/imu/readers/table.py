@@ -4,7 +4,8 @@
 ``accel_x_m_s2``, ``_g``, ``_mg`` (specific forces) or ``accel_x_m_s``, ``_g_s`` (increments). Time:
 ``gps_week`` and ``gps_tow_s``; ``unix_s`` (UTC); or ``time_s``, which counts from ``start`` of the
 configuration. The time of an increment is the end of its interval, that of a rate its instant.
-Other columns are left alone; lines that begin with # are comments.
+Other columns are left alone; lines that begin with # are comments. One of them may tell where the
+antenna is: ``# lever_arm_m = 1.2, 0, -2.5``, forward, right, down.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from ..rows import Unit
 
 _SENSOR = re.compile(r"(gyro|accel)_([xyz])_(\w+)")
+_LEVER_ARM = re.compile(r"#\s*lever_arm_m\s*[=:](.*)")
 _TIMES = (("gps_week", "gps_tow_s"), ("unix_s",), ("time_s",))
 _LAST_S = 4e9
 """Of dates since 1970: the year 2096."""
@@ -45,7 +47,8 @@ def read(path: Path, config: ImuConfig) -> ImuRows:
     Raises:
         InertialError: columns are missing, of unknown or mixed units, or a row is wrong.
     """
-    lines = [line for line in text_of(path).splitlines() if line and not line.startswith("#")]
+    every = text_of(path).splitlines()
+    lines = [line for line in every if line and not line.startswith("#")]
     names = [name.strip() for name in lines[0].split(",")] if lines else []
     gyro, gyro_unit = _sensor(path, names, "gyro", GYRO_UNITS)
     accel, accel_unit = _sensor(path, names, "accel", ACCEL_UNITS)
@@ -69,7 +72,22 @@ def read(path: Path, config: ImuConfig) -> ImuRows:
         accel=values[:, -3:] * accel_unit.size,
         gyro_unit=gyro_unit,
         accel_unit=accel_unit,
+        lever_arm_m=_lever_arm(path, every),
     )
+
+
+def _lever_arm(path: Path, lines: list[str]) -> tuple[float, float, float] | None:
+    """Of a comment, where one tells it."""
+    told = next((m[1] for m in map(_LEVER_ARM.fullmatch, lines) if m), None)
+    if told is None:
+        return None
+    try:
+        forward, right, down = (float(word) for word in told.split(","))
+    except ValueError as error:
+        raise InertialError(
+            f"{path}: '# lever_arm_m ={told}' is not three numbers in m: give forward, right, down"
+        ) from error
+    return forward, right, down
 
 
 def _sensor(
@@ -164,8 +182,8 @@ def write(path: Path, log: ImuLog) -> None:
         raise OutputError(f"{path}: cannot be written: {error.strerror}") from error
 
 
-def text(log: ImuLog) -> str:
-    """The table of some increments."""
+def text(log: ImuLog, lever_arm_m: tuple[float, float, float] | None = None) -> str:
+    """The table of some increments, and where the antenna is, if it is known."""
     names = ["gyro_x_rad", "gyro_y_rad", "gyro_z_rad"]
     names += ["accel_x_m_s", "accel_y_m_s", "accel_z_m_s"]
     numbers = [log.rotation_rad, log.velocity_m_s]
@@ -181,7 +199,9 @@ def text(log: ImuLog) -> str:
     table = io.StringIO()
     row = ",".join([*formats, *["%.12e"] * 6])
     np.savetxt(table, np.hstack([*columns, *numbers]), row, header=",".join(names), comments="")
-    return table.getvalue()
+    if lever_arm_m is None:
+        return table.getvalue()
+    return f"# lever_arm_m = {', '.join(f'{v:g}' for v in lever_arm_m)}\n{table.getvalue()}"
 
 
 READER = Reader(

@@ -28,6 +28,17 @@ impl Transition {
         }
     }
 
+    /// What weighs the errors at the end, as weights of those at the beginning: weights times phi.
+    pub fn carry_back(&self, weights: &mut [f64; NAV]) {
+        let after = *weights;
+        for row in MOVING {
+            weights[row] = 0.0;
+        }
+        for row in MOVING {
+            add_scaled(weights, after[row], &self.phi[row]);
+        }
+    }
+
     /// Covariance at the end (n x n, row by row, navigation states first); `work` holds 10 rows.
     pub fn spread(&self, p: &mut [f64], n: usize, work: &mut [f64]) {
         for _ in 0..2 {
@@ -128,8 +139,9 @@ pub fn take_off(p: &mut [f64], n: usize, g: &[f64], s: f64) {
     }
 }
 
+/// `out` + factor times `row`.
 #[inline]
-fn add_scaled(out: &mut [f64], factor: f64, row: &[f64]) {
+pub fn add_scaled(out: &mut [f64], factor: f64, row: &[f64]) {
     for (o, r) in out.iter_mut().zip(row) {
         *o += factor * r;
     }
@@ -140,7 +152,8 @@ fn dot(a: &[f64; NAV], b: &[f64; NAV]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-fn transpose(p: &mut [f64], n: usize) {
+/// Swaps rows and columns.
+pub fn transpose(p: &mut [f64], n: usize) {
     for row in 0..n {
         for column in row + 1..n {
             p.swap(row * n + column, column * n + row);

@@ -2,6 +2,7 @@
 
 use super::covariance::{take_off, Row, Square, Transition, WORK_ROWS};
 use super::settings::{ReceiverNoise, Settings};
+use super::tape::Tape;
 use super::{ACCELEROMETER, ATTITUDE, CLOCK, DRIFT, GYRO, NAV, POSITION, VELOCITY};
 
 /// Where the states behind the navigation states begin.
@@ -60,6 +61,8 @@ pub struct ErrorFilter {
     pub p: Vec<f64>,
     /// Errors found.
     pub x: Vec<f64>,
+    /// Where the run is recorded for the smoother, if it is.
+    pub tape: Option<Box<Tape>>,
     gain: Vec<f64>,
     work: Vec<f64>,
     wander: f64,
@@ -78,6 +81,7 @@ impl ErrorFilter {
             layout,
             p: vec![0.0; n * n],
             x: vec![0.0; n],
+            tape: None,
             gain: vec![0.0; n],
             work: vec![0.0; n * WORK_ROWS],
             wander: settings.receiver.wander,
@@ -183,6 +187,9 @@ impl ErrorFilter {
             *x += g * found.value / s;
         }
         take_off(&mut self.p, n, &self.gain, s);
+        if let Some(tape) = &mut self.tape {
+            tape.used(row, &self.gain, s, found.value);
+        }
         found
     }
 

@@ -4,6 +4,7 @@
 //! biases, what the corrected sensors still sense too much. All functions of one step work in
 //! memory that was allocated before.
 
+pub mod adjoint;
 pub mod alarms;
 pub mod copies;
 pub mod covariance;
@@ -21,9 +22,11 @@ pub mod recording;
 pub mod run;
 pub mod settings;
 pub mod shadow;
+pub mod smooth;
 pub mod statistics;
 pub mod step;
 pub mod supervisor;
+pub mod tape;
 pub mod windows;
 
 /// Position, velocity, attitude, biases of gyros and accelerometers, clock, its drift.

@@ -8,7 +8,7 @@ use super::{ACCELEROMETER, ATTITUDE, CLOCK, DRIFT, GYRO, POSITION, VELOCITY};
 use crate::inertial::{error_model, NavState};
 
 /// What has happened since the filter was propagated last.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 pub struct Motion {
     /// Specific force in local axes, summed up, m/s.
     felt: Vector3<f64>,

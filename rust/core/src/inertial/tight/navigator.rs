@@ -103,6 +103,9 @@ impl Navigator {
             .motion
             .transition(self.strapdown.state(), &self.settings);
         self.filter.predict(&step);
+        if let Some(tape) = &mut self.filter.tape {
+            tape.moved(self.motion, self.strapdown.state());
+        }
         self.clock += self.drift * step.interval;
         let keeps = self.filter.fading(step.interval);
         self.wander.iter_mut().for_each(|w| *w *= keeps);

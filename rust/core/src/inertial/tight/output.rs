@@ -1,6 +1,7 @@
 //! What comes out of a run, a row an epoch.
 
 use super::guard::State;
+use super::smooth::Smoothed;
 use super::statistics::{Forms, Panel};
 use super::{ATTITUDE, CLOCK, POSITION, VELOCITY};
 
@@ -73,6 +74,8 @@ pub struct Output {
     pub state: Vec<u8>,
     /// What it did.
     pub events: Vec<Event>,
+    /// From all that was measured before and after each epoch, if it was asked for.
+    pub smoothed: Option<Smoothed>,
 }
 
 impl Output {
@@ -97,6 +100,7 @@ impl Output {
             tests,
             state: Vec::with_capacity(epochs),
             events: Vec::new(),
+            smoothed: None,
         }
     }
 

@@ -8,7 +8,9 @@ use super::navigator::Navigator;
 use super::output::Output;
 pub use super::recording::{ImuLog, Measured, Run, Sky};
 use super::settings::Settings;
+use super::smooth::smooth;
 use super::supervisor::Supervisor;
+use super::tape::Tape;
 use crate::inertial::errors::ErrorStream;
 use crate::inertial::Increment;
 use crate::{Error, Result};
@@ -75,7 +77,7 @@ impl<'a> Pilot<'a> {
         detailed: bool,
     ) -> Self {
         let systems = sky.system.iter().max().map_or(1, |m| m + 1);
-        let navigator = Navigator::new(run.start, settings, sky.satellites(), systems);
+        let mut navigator = Navigator::new(run.start, settings, sky.satellites(), systems);
         let supervisor = Supervisor::new(
             settings,
             rules,
@@ -85,6 +87,12 @@ impl<'a> Pilot<'a> {
             sky.satellites(),
             detailed,
         );
+        // The supervisor's own filters are not recorded.
+        navigator.filter.tape = settings.smooth.then(|| {
+            let (epochs, filter) = (sky.time.len(), &navigator.filter);
+            let count = run.measured.count();
+            Box::new(Tape::new(settings, filter, start, epochs, count))
+        });
         let mut errors = run.errors.map(|(e, number)| ErrorStream::new(&e, number));
         let next = log.time.partition_point(|&t| t <= start + SAME);
         if let Some(stream) = &mut errors {
@@ -126,7 +134,15 @@ impl<'a> Pilot<'a> {
             let epoch = sky.epoch(e, measured);
             self.supervisor
                 .epoch(&mut self.navigator, &epoch, past.as_ref());
+            let state = *self.navigator.state();
+            let filter = &mut self.navigator.filter;
+            if let Some(tape) = &mut filter.tape {
+                tape.close(e, time, state, &filter.p);
+            }
             before = Some(e);
+        }
+        if let Some(tape) = &self.navigator.filter.tape {
+            self.supervisor.output.smoothed = Some(smooth(tape, sky.time.len()));
         }
     }
 
@@ -229,4 +245,4 @@ impl<'a> Pilot<'a> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -129,4 +129,6 @@ pub struct Settings {
     pub outages: Vec<(f64, f64)>,
     /// Gaps of the IMU up to so long are bridged, longer ones make attitude and velocity uncertain, s.
     pub bridge: f64,
+    /// Whether every epoch is also estimated from all that was measured before and after it.
+    pub smooth: bool,
 }

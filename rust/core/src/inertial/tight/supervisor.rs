@@ -317,6 +317,9 @@ impl Supervisor {
                 std::mem::swap(&mut self.shadow.windows, &mut self.windows);
                 (self.shadow.active, self.confirmed) = (true, self.certain());
                 nav.take_back(&chosen.difference, &chosen.covariance);
+                if let Some(tape) = &mut nav.filter.tape {
+                    tape.take_back(chosen.born);
+                }
                 self.copies.taken_back(&chosen);
                 self.means.clear();
             }

@@ -15,7 +15,7 @@ use crate::nav_math::geodesy::WGS84;
 const SATELLITES: usize = 8;
 const RATE: f64 = 100.0;
 
-fn settings(mode: Mode) -> Settings {
+pub fn settings(mode: Mode) -> Settings {
     Settings {
         imu: ImuNoise {
             gyro: 3e-6,
@@ -60,6 +60,7 @@ fn settings(mode: Mode) -> Settings {
         lever_arm: Vector3::new(2.0, -1.0, -5.0),
         outages: Vec::new(),
         bridge: 0.5,
+        smooth: false,
     }
 }
 
@@ -77,7 +78,7 @@ struct Scene {
 }
 
 /// Nearly normal, the same for the same number (S. Vigna's splitmix64, four uniform values).
-fn noise(number: usize) -> f64 {
+pub fn noise(number: usize) -> f64 {
     let uniform = |part: u64| {
         let mut z = (4 * number as u64 + part + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
