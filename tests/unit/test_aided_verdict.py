@@ -14,6 +14,7 @@ from sdr_spoof.aided.files import COLUMNS, SMOOTHED, write_csv, write_hdf5
 from sdr_spoof.aided.judge import judge
 from sdr_spoof.aided.records import Guard, Use
 from sdr_spoof.aided.session import Session
+from sdr_spoof.config import Config
 from sdr_spoof.errors import OutputError
 from sdr_spoof.nav.geodesy import geodetic_to_ecef
 from sdr_spoof.report import aided_words as words
@@ -118,7 +119,7 @@ def test_a_smoothed_track_is_in_all_files(tmp_path):
     write_aided_report(path, found, names=("a", "b"), config={}, truth_m=case.truth_m())
     text = path.read_text(encoding="utf-8")
     assert text.count("Smoothed: what is known afterwards") == 2
-    session = Session(found, ("a", "b"), truth_m=case.truth_m())
+    session = Session(found, Config(), ("a", "b"), truth_m=case.truth_m())
     assert session.error_m["smoothed"] == pytest.approx(0.1)
 
 

@@ -32,6 +32,11 @@ class Klobuchar:
         a0, a1, a2, a3, b0, b1, b2, b3 = values
         return cls((a0, a1, a2, a3), (b0, b1, b2, b3), system, transmitted)
 
+    @property
+    def blank(self) -> bool:
+        """Whether all are 0: a message whose sender knew none, with the 5 ns of the night left."""
+        return not any((*self.alpha, *self.beta))
+
     def fields(self) -> dict[str, float]:
         """By the names that messages have for them: alpha0 to beta3."""
         names = (f"{kind}{n}" for kind in ("alpha", "beta") for n in range(4))
@@ -46,6 +51,11 @@ class Bdgim:
     """TECU."""
     system: str = "C"
     transmitted: GnssTime | None = None
+
+    @property
+    def blank(self) -> bool:
+        """Whether all are 0, as where the sender knew none."""
+        return not any(self.alpha)
 
 
 Ionosphere = Klobuchar | Bdgim

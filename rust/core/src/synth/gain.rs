@@ -305,7 +305,8 @@ mod tests {
         let b1i = signal::find("B1I").unwrap();
         // C/N0 of the whole noise: 70 dB-Hz in 10 MHz.
         let mut e = Emitter::new(b1i, 20, 70.0);
-        let of = |filter, e: &Emitter| Powers::new(&config(filter), std::slice::from_ref(e)).at(0.5);
+        let of =
+            |filter, e: &Emitter| Powers::new(&config(filter), std::slice::from_ref(e)).at(0.5);
         assert!((of(None, &e) - 1.0).abs() < 1e-12);
         // Half of the band has nearly all of the signal, and half of the noise.
         let half = Filter::new(0.0, 0.5, 63, true).unwrap();

@@ -46,6 +46,14 @@ pub struct Measured<'a> {
     pub change: &'a [f64],
 }
 
+impl Measured<'_> {
+    /// How many values there are.
+    pub fn count(&self) -> usize {
+        let finite = |values: &[f64]| values.iter().filter(|v| v.is_finite()).count();
+        finite(self.range) + finite(self.rate) + finite(self.change)
+    }
+}
+
 /// One run.
 #[derive(Debug, Clone, Copy)]
 pub struct Run<'a> {

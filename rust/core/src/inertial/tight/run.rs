@@ -88,9 +88,11 @@ impl<'a> Pilot<'a> {
             detailed,
         );
         // The supervisor's own filters are not recorded.
-        navigator.filter.tape = settings
-            .smooth
-            .then(|| Box::new(Tape::new(settings, &navigator.filter, start)));
+        navigator.filter.tape = settings.smooth.then(|| {
+            let (epochs, filter) = (sky.time.len(), &navigator.filter);
+            let count = run.measured.count();
+            Box::new(Tape::new(settings, filter, start, epochs, count))
+        });
         let mut errors = run.errors.map(|(e, number)| ErrorStream::new(&e, number));
         let next = log.time.partition_point(|&t| t <= start + SAME);
         if let Some(stream) = &mut errors {

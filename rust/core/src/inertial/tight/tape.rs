@@ -17,6 +17,8 @@ use crate::inertial::NavState;
 
 /// Times that differ by less are the same, s.
 const SAME: f64 = 1e-6;
+/// Most columns of a row that are not 0, but for offsets of systems.
+const COLUMNS: usize = 8;
 
 /// An epoch after its last correction.
 #[derive(Debug, Clone, Copy)]
@@ -69,21 +71,29 @@ pub struct Tape {
 }
 
 impl Tape {
-    /// Empty, before the first epoch.
-    pub fn new(settings: &Settings, filter: &ErrorFilter, start: f64) -> Self {
+    /// Empty, before the first epoch; with room for so many epochs and measurements, so that no
+    /// memory is taken twice.
+    pub fn new(
+        settings: &Settings,
+        filter: &ErrorFilter,
+        start: f64,
+        epochs: usize,
+        measurements: usize,
+    ) -> Self {
+        let n = filter.layout.count;
         Tape {
             settings: settings.clone(),
             layout: filter.layout,
             first: filter.navigation(),
             start,
             forgets: false,
-            entries: Vec::new(),
-            legs: Vec::new(),
-            used: Vec::new(),
-            gains: Vec::new(),
-            columns: Vec::new(),
-            values: Vec::new(),
-            rows: Vec::new(),
+            entries: Vec::with_capacity(epochs),
+            legs: Vec::with_capacity(epochs),
+            used: Vec::with_capacity(measurements),
+            gains: Vec::with_capacity(measurements * n),
+            columns: Vec::with_capacity(measurements * COLUMNS),
+            values: Vec::with_capacity(measurements * COLUMNS),
+            rows: Vec::with_capacity(epochs * NAV * n),
         }
     }
 
