@@ -240,7 +240,7 @@ impl Navigator {
         let (row, value, variance) = self.observe(kind, k, system, dev)?;
         let robust = self.settings.testing.robust;
         Some(match used {
-            true => self.filter.update(&row, value, variance, robust),
+            true => self.filter.update_by(k, &row, value, variance, robust),
             false => self.filter.look(&row, value, variance),
         })
     }
@@ -278,7 +278,7 @@ impl Navigator {
         {
             *value -= x;
         }
-        self.filter.x.fill(0.0);
+        self.filter.taken_off();
         found
     }
 
