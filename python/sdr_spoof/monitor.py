@@ -61,13 +61,16 @@ class Monitor:
             return []
         lookback_s = self._config.monitor_lookback_s * (CODE_EVERY_S if seldom else 1)
         span = now_s - lookback_s, now_s - MARGIN_S
+        combos = rows.between(ComboTrack, *span)
+        if not combos:
+            return []
         log = TrackLog(
             recording="",
             sample_rate_hz=sample_rate_hz,
             duration_s=now_s,
             partial=True,
             signals=rows.between(SignalTrack, *span),
-            combos=rows.between(ComboTrack, *span),
+            combos=combos,
         )
         new = self.captured(log, now_s, first)
         self.isolated += new

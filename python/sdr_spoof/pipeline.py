@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -13,8 +14,12 @@ from .fusion import deciding
 from .positioning import try_locate
 from .progress import silent
 from .receive import receive
-from .report import TruthMark, write_report
+from .report.crew import crew_for
 from .report.evidence import EvidenceBook
+from .report.figures.truth import TruthMark
+from .report.html import write_report
+from .report.pictures import Pictures
+from .report.words import ordered
 from .scenario import builtin_scenario, synthesize, truth_path
 from .sinks.hdf5 import Result, write_result
 from .sources import open_recording
@@ -113,11 +118,15 @@ def process(
     """
     out = Path(out)
     result_path, report_path = output_paths(out, ("result.h5", "report.html"), force=force)
-    with output_folder(out):
-        found, log = receive(recording, config, signals, prns, threads, stages, out)
+    with output_folder(out), _settled(), crew_for(threads) as crew:
+        pictures = Pictures(crew)
+        chosen = signals, prns, threads
+        found, log = receive(recording, config, *chosen, stages, out, pictures.acquired)
+        pictures.tracked(log)
         with stages("Detecting"):
             book = EvidenceBook(config.detection)
             verdict = detect(log, config.detection, look=book.take)
+        pictures.judged(log, verdict, book, ordered(verdict))
         with stages("Positioning"):
             located, why_not = try_locate(
                 log, config, verdict, start=recording.start, acquisitions=found
@@ -141,12 +150,23 @@ def process(
                 located=located,
                 why_not_located=why_not,
                 book=book,
+                pictures=pictures,
                 force=force,
             )
             if progress:
                 progress(4, 4)
     paths = result_path, report_path
     return Processed(recording, config, tuple(found), log, verdict, *paths, located, why_not)
+
+
+@contextmanager
+def _settled() -> Iterator[None]:
+    """Spare the collector of garbage what is there already: modules, for the most part."""
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
 
 
 def output_paths(out: Path, names: Sequence[str], *, force: bool) -> list[Path]:

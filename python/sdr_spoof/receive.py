@@ -12,7 +12,7 @@ from .second_peaks import second_peaks
 from .tracking import track
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
     from pathlib import Path
 
     from .config import Config
@@ -29,10 +29,12 @@ def receive(
     threads: int | None,
     stages: Stages,
     rows_in: Path,
+    acquired: Callable[[Sequence[Acquisition]], object] = len,
 ) -> tuple[list[Acquisition], TrackLog]:
     """Acquire, and track what was detected; what comes before detection.
 
-    The log's rows are in a temporary file in the folder ``rows_in``, not in memory.
+    The log's rows are in a temporary file in the folder ``rows_in``, not in memory. ``acquired`` is
+    told what was found before it is tracked.
     """
     with stages("Acquiring") as progress:
         found = acquire(
@@ -43,6 +45,7 @@ def receive(
             threads=threads,
             progress=progress,
         )
+    acquired(found)
     detected = [a for a in found if a.detected]
     with stages("Tracking") as progress:
         log = track(

@@ -1,7 +1,7 @@
 """Other people's receivers on our recordings, and ours on theirs: ``make interop``.
 
-Peers that are missing are skipped, with a word on how to get them. Exit code 1: a peer that is
-there did not get what it should.
+One table tells of all. Peers that are missing are skipped, with a word on how to get them. Exit
+code 1: a peer that is there did not get what it should.
 """
 
 from __future__ import annotations
@@ -16,6 +16,9 @@ import rtklib
 import signal_sim
 from outcome import PeerMissingError
 
+PASSED, FAILED, SKIPPED = "passed", "FAILED", "skipped"
+Row = tuple[str, str, str, str]
+"""Result, peer, test and figures."""
 PEERS = {
     "gnss-sdr": gnss_sdr.run,
     "rtklib": rtklib.run,
@@ -37,26 +40,35 @@ def main() -> int:
             f"no peer is called {', '.join(sorted(unknown))}; there are {', '.join(PEERS)}"
         )
     arguments.output.mkdir(parents=True, exist_ok=True)
+    rows: list[Row] = []
     try:
-        passed = [_run(name, arguments.output) for name in arguments.peers or PEERS]
+        for name in arguments.peers or PEERS:
+            rows += _run(name, arguments.output)
     finally:
+        _print(rows)
         if not arguments.keep:
             for samples in arguments.output.glob("*.sigmf-data"):
                 samples.unlink()
-    return 0 if all(passed) else 1
+    return 1 if any(row[0] == FAILED for row in rows) else 0
 
 
-def _run(name: str, folder: Path) -> bool:
-    """One peer; a missing one passes."""
+def _run(name: str, folder: Path) -> list[Row]:
+    """What came of one peer; a missing one passes."""
+    print(f"{name} ...", file=sys.stderr, flush=True)
     try:
         outcomes = PEERS[name](folder)
     except PeerMissingError as error:
-        print(f"skipped  {name}: {error}", flush=True)
-        return True
-    for outcome in outcomes:
-        word = "passed" if outcome.passed else "FAILED"
-        print(f"{word}   {outcome.peer}, {outcome.test}: {outcome.figures}", flush=True)
-    return all(outcome.passed for outcome in outcomes)
+        return [(SKIPPED, name, "", f"not here: {error}")]
+    return [(PASSED if o.passed else FAILED, o.peer, o.test, o.figures) for o in outcomes]
+
+
+def _print(rows: list[Row]) -> None:
+    """All in columns, the last one as long as it is."""
+    heads = ("result", "peer", "test", "figures")
+    widths = [max(len(row[k]) for row in [heads, *rows]) for k in range(len(heads))]
+    for row in [heads, *rows]:
+        cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
+        print("  ".join(cells).rstrip())
 
 
 if __name__ == "__main__":

@@ -43,12 +43,13 @@ def run(folder: Path) -> list[Outcome]:
 
 def _program() -> Path:
     root = os.environ.get(VARIABLE)
-    program = Path(root or "").resolve() / _TRACKER
-    if root is None or not program.is_file():
+    built = [Path(root or "").resolve() / p for p in (_TRACKER, _CONVERTER)]
+    if root is None or not all(p.is_file() for p in built):
         raise PeerMissingError(
-            f"set {VARIABLE} to a folder of Pocket SDR in which {_TRACKER} has been built"
+            f"build {_TRACKER} and {_CONVERTER} of Pocket SDR (tomojitakasu/PocketSDR on GitHub) "
+            f"and set {VARIABLE} to its folder"
         )
-    return program
+    return built[0]
 
 
 def _receive(program: Path, recording: Recording, folder: Path) -> str:
@@ -94,8 +95,6 @@ def _signals(log: str, recording: Recording) -> Outcome:
 def _observations(program: Path, folder: Path) -> Path:
     """RINEX of its RTCM stream."""
     converter = program.parents[2] / _CONVERTER
-    if not converter.is_file():
-        raise PeerMissingError(f"build {_CONVERTER} in the folder of {VARIABLE}")
     rinex = folder / "pocket.obs"
     form = ["-r", "rtcm3", "-tr", DATE, "00:00:00", "-v", "3.05", "-mask", "CL2I"]
     command = [converter, *form, "-o", rinex, "-n", folder / "unused.nav", folder / "pocket.rtcm3"]

@@ -15,6 +15,7 @@ from sdr_spoof.nav.broadcast import Klobuchar
 from sdr_spoof.nav.rinex_nav import read_navigation
 from sdr_spoof.nav.time import GnssTime
 from sdr_spoof.observations import SUBCARRIER, Observations, ObservedSignal
+from sdr_spoof.positioning import reasons
 from sdr_spoof.pvt import PvtConfig
 from sdr_spoof.pvt.ranges import averaged
 
@@ -102,6 +103,22 @@ def test_atmosphere_is_taken_out() -> None:
     assert errors(pvt.solve(sky.observe(), data, EXACT))[0] > 5.0
     with pytest.raises(NavigationError, match="bdgim"):
         pvt.solve(sky.observe(), data, EXACT.model_copy(update={"ionosphere": "bdgim"}))
+
+
+def test_blank_ionosphere_gives_way_to_what_another_system_says() -> None:
+    zeros = (0.0,) * 4
+    blank = dataclasses.replace(KLOBUCHAR, alpha=zeros, beta=zeros)
+    other = dataclasses.replace(KLOBUCHAR, system="G")
+    sky = Sky("C", klobuchar=other, troposphere=True, mask_deg=5.0)
+    config = EXACT.model_copy(update={"ionosphere": "auto", "troposphere": "saastamoinen"})
+    told = dataclasses.replace(navigation(), ionosphere=(other, blank))
+    assert errors(pvt.solve(sky.observe(), told, config))[0] < 1e-3
+    alone = pvt.solve(sky.observe(), dataclasses.replace(told, ionosphere=(blank,)), config)
+    assert errors(alone)[0] > 1.0
+    assert reasons.unmodelled(alone, told, config) == []
+    (note,) = reasons.unmodelled(alone, dataclasses.replace(told, ionosphere=(blank,)), config)
+    assert "all zero" in note
+    assert reasons.unmodelled(alone, dataclasses.replace(told, ionosphere=()), config) == [note]
 
 
 def test_velocity_and_drift() -> None:

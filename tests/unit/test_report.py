@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rich.console import Console
+from scipy.signal import welch
 from simulated_tracks import Attack, Satellite, simulate_log
 
 from sdr_spoof.detectors import DetectionConfig
@@ -19,6 +20,7 @@ from sdr_spoof.report import TruthMark, estimate_spectrum, print_verdict, write_
 from sdr_spoof.report.evidence import EvidenceBook
 from sdr_spoof.report.figures import style
 from sdr_spoof.report.figures.satellite import code_minus_carrier_m, correlation_shape
+from sdr_spoof.report.spectrum import _welch
 from sdr_spoof.report.words import headline
 from sdr_spoof.verdict import detect
 
@@ -163,6 +165,16 @@ def test_spectrum_finds_the_tone_and_the_noise_level():
     # Variance 100 (plus 1/12 of rounding) over half the rate, one-sided.
     level = 10 * np.log10((100 + 1 / 12) / (RATE_HZ / 2))
     assert np.median(spectrum.density_db) == pytest.approx(level, abs=0.1)
+
+
+@pytest.mark.parametrize("is_complex", [False, True])
+@pytest.mark.parametrize("bins", [256, 101])
+def test_spectrum_is_welchs(is_complex, bins):
+    samples = np.random.default_rng(2).normal(size=(2, 3000)).astype(np.float32)
+    samples = samples[0] + 1j * samples[1] if is_complex else samples[0]
+    expected = welch(samples, fs=5.0, nperseg=bins, detrend=False, return_onesided=not is_complex)
+    for ours, theirs in zip(_welch(samples, 5.0, bins), expected, strict=True):
+        np.testing.assert_allclose(ours, theirs, rtol=1e-4)
 
 
 def test_detail_numbers():

@@ -12,8 +12,8 @@ from sdr_spoof.records import State
 from sdr_spoof.report import words
 from sdr_spoof.report.evidence import Evidence, EvidenceBook, broken
 from sdr_spoof.report.figures import peaks, style, tracking_bar
-from sdr_spoof.report.figures.case import Case
-from sdr_spoof.report.figures.overview import draw_quiet
+from sdr_spoof.report.figures.evidence_panels import evidence_panels
+from sdr_spoof.report.figures.quiet import QuietDrawing
 from sdr_spoof.verdict import detect, statistics
 
 CONFIG = DetectionConfig(detectors=tuple(DETECTORS))
@@ -151,5 +151,4 @@ def test_words_of_a_satellite(verdict):
 
 def test_of_a_satellite_with_hardly_a_test_nothing_is_drawn(log):
     """As of one that was tested for power alone before Ctrl-C."""
-    clean = detect(log, DetectionConfig(detectors=("power",))).satellites[0]
-    assert draw_quiet(Case.of(clean, Evidence(), log, None)) is None
+    assert QuietDrawing.of(evidence_panels(Evidence(), 10.0), ("B1I",), log.duration_s) is None

@@ -87,6 +87,15 @@ def test_a_clean_flight_in_words(files, tmp_path, capsys):
     assert "No spoofing found" in report and "no test has alarmed" in report
 
 
+def test_an_ins_of_a_grade(files, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert sequential(files, "--ins-grade", "navigation", "-o", out, "--json") == 0
+    assert json.loads(capsys.readouterr().out)["satellites"] == [files[1]]
+    assert "a free one of grade “navigation”" in (out / "report.html").read_text(encoding="utf-8")
+    assert sequential(files, "--ins-grade", "best") != 0
+    assert "no IMU grade 'best'" in capsys.readouterr().err
+
+
 def test_what_is_wrong_is_said(files, tmp_path, capsys):
     assert sequential(files, "--sequential-rule", "magic") != 0
     assert "known rules" in capsys.readouterr().err

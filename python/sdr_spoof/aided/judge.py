@@ -130,7 +130,7 @@ def judge(
 def doubted(verdict: AidedVerdict, why: str) -> AidedVerdict:
     """The same, where something else than spoofing may be behind the alarms."""
     known = replace(verdict, doubt=why, notes=(why, *verdict.notes))
-    if verdict.verdict != SPOOFED or verdict.satellites:
+    if verdict.verdict not in (SPOOFED, SUSPECT) or verdict.satellites:
         return known
     return replace(known, verdict=SUSPECT, reason=f"{verdict.reason}; but {why}, and judge again")
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sdr_spoof import config
-from sdr_spoof.errors import AidingError
+from sdr_spoof.errors import AidingError, SdrSpoofError
 
 from . import aid, options, tables
 from .command import INTERRUPTED, Command, Outcome
@@ -78,7 +78,11 @@ def _aided(
         raise AidingError(f"--imu: there are no observations to judge: {processed.why_not_located}")
     observed = Observed(located.observations, located.navigation, processed.verdict)
     names = processed.recording.path.name, arguments.imu.name
-    session = session_of(observed, imu, settings, names=names, stages=ui.stages)
+    try:
+        session = session_of(observed, imu, settings, names=names, stages=ui.stages)
+    except SdrSpoofError as error:
+        known = f"what the receiver itself found is in {processed.report_path}"
+        raise AidingError(f"{error}; {known}") from error
     with ui.stages("Reporting"):
         session.write(out, force=arguments.force)
     more = aid.outcome(session, out)

@@ -46,6 +46,13 @@ def _configure(parser: argparse.ArgumentParser) -> None:
         metavar="FILE.rnx,...",
         help="RINEX navigation files; needed with a RINEX observation file",
     )
+    parser.add_argument(
+        "--ins-grade",
+        dest=config.FLAG_PREFIX + "sequential.ins_grade",
+        metavar="NAME",
+        help="quality of a free INS, whose drift is then learnt; the same as "
+        "--sequential-ins-grade; how well it was aligned is in [rate] of --config",
+    )
     options.add_output(parser, "folder for the report, the picture and the table")
     config.add_flags(parser, ["sequential", "pvt"])
 
@@ -69,7 +76,7 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
         ins = read_ins(arguments.ins, measured.reference)
         dme = None if arguments.dme is None else read_dme(arguments.dme, measured.reference)
     with ui.stages("Testing"):
-        found = judge(measured, ins, dme, settings.sequential)
+        found = judge(measured, ins, dme, settings.sequential, settings.rate)
         watched = watch(found, settings.sequential)
     notes = (*observed.notes, *notes)
     if arguments.output is not None:
@@ -104,7 +111,9 @@ def _write(
         picture=drawn,
         notes=notes,
     )
-    used = settings.model_dump(mode="json", include={"sequential", "pvt", "navigation"})
+    groups = {"sequential", "pvt", "navigation"}
+    groups |= {"rate"} if settings.sequential.ins_grade is not None else set()
+    used = settings.model_dump(mode="json", include=groups)
     force = arguments.force
     write_page(report, page, used, force=force)
     write_bytes(picture, drawn, force=force)
@@ -177,5 +186,7 @@ COMMAND = Command(
     examples=(
         "sdr-spoof sequential flight.rnx --ins flight.ins.csv --dme flight.dme.csv --nav brdc.rnx",
         "sdr-spoof sequential out/today/result.h5 --ins today.ins.csv --sequential-rule cusum",
+        "sdr-spoof sequential flight.rnx --ins flight.ins.csv --nav brdc.rnx --ins-grade "
+        "navigation --sequential-ins-aligned-s 600",
     ),
 )

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from .ephemeris import Ephemeris
+    from .integrity import GridPoint, Integrity
     from .time import GnssTime
 
 
@@ -31,6 +32,11 @@ class Klobuchar:
         a0, a1, a2, a3, b0, b1, b2, b3 = values
         return cls((a0, a1, a2, a3), (b0, b1, b2, b3), system, transmitted)
 
+    @property
+    def blank(self) -> bool:
+        """Whether all are 0: a message whose sender knew none, with the 5 ns of the night left."""
+        return not any((*self.alpha, *self.beta))
+
     def fields(self) -> dict[str, float]:
         """By the names that messages have for them: alpha0 to beta3."""
         names = (f"{kind}{n}" for kind in ("alpha", "beta") for n in range(4))
@@ -45,6 +51,11 @@ class Bdgim:
     """TECU."""
     system: str = "C"
     transmitted: GnssTime | None = None
+
+    @property
+    def blank(self) -> bool:
+        """Whether all are 0, as where the sender knew none."""
+        return not any(self.alpha)
 
 
 Ionosphere = Klobuchar | Bdgim
@@ -105,6 +116,10 @@ class Contents:
     """Satellite by RINEX name and what almanac or health pages say of it, 0 = healthy."""
     almanacs: tuple[Ephemeris, ...] = ()
     """Coarse orbits; quantities that an almanac lacks are 0."""
+    integrity: tuple[Integrity, ...] = ()
+    """How satellites were judged, in order of time where one satellite tells."""
+    grid: tuple[GridPoint, ...] = ()
+    """Vertical delays of the ionosphere."""
 
     def distinct(self) -> Self:
         """Leave out what is a repetition of something sent before."""
@@ -116,6 +131,7 @@ class Contents:
             offsets=_distinct(self.offsets),
             health=tuple(dict(self.health).items()),
             almanacs=_distinct(self.almanacs),
+            grid=_distinct(self.grid),
         )
 
     def __add__(self, other: Self) -> Self:
@@ -128,6 +144,8 @@ class Contents:
             offsets=self.offsets + other.offsets,
             health=self.health + other.health,
             almanacs=self.almanacs + other.almanacs,
+            integrity=self.integrity + other.integrity,
+            grid=self.grid + other.grid,
         )
 
 
@@ -154,3 +172,7 @@ class Broadcast:
     offsets: tuple[TimeOffset, ...] = ()
     health: tuple[tuple[str, int], ...] = field(default=())
     """Satellites that are not healthy, by RINEX name, beyond what ``ephemerides`` say."""
+    integrity: tuple[Integrity, ...] = ()
+    """Judgements that geostationary BDS satellites send."""
+    grid: tuple[GridPoint, ...] = ()
+    """Points of the ionosphere's grid that they send; others are not available."""

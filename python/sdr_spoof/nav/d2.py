@@ -1,8 +1,9 @@
 """D2, the message of geostationary BDS satellites on B1I, 500 bps.
 
 Source: BDS-SIS-ICD-B1I-3.0, 5.3: frames of 3 s, of 5 subframes of 0.6 s. Subframe 1 has the basic
-information on 10 pages, in words 1 to 5; subframes 2 to 4 (integrity, 6 pages) are sent empty;
-subframe 5 has 120 pages, among them the almanacs. The time of week is that of the frame's start.
+information on 10 pages, in words 1 to 5; subframes 2 to 4 judge other satellites, on 6 pages
+(:mod:`.d2_integrity`); subframe 5 has 120 pages, among them the almanacs. The
+time of week is that of the frame's start.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from . import beidou_pages, keplerian
+from . import beidou_pages, d2_integrity, keplerian
 from .beidou import SIGNAL, BeidouMessage, gather, ionosphere, legacy_ephemeris, together
 from .beidou_pages import PAGE, Slot
 from .beidou_satellites import GEO
@@ -20,13 +21,15 @@ from .broadcast import Contents
 from .ephemeris import D2
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from .broadcast import Broadcast
     from .records import Frame
 
 FRAME_S, SUBFRAME_S = 3, 0.6
-BASIC_PAGES, INTEGRITY_PAGES, PAGES = 10, 6, 120
+BASIC_PAGES, PAGES = 10, 120
 EXPANDED_CYCLES = 3
 BASIC_PAGE = Field("Pnum1", ((43, 4),))
 INTEGRITY_PAGE = Field("Pnum2", ((44, 4),))
@@ -141,9 +144,13 @@ class D2Message(BeidouMessage):
             page, group = frame % PAGES + 1, frame // PAGES % EXPANDED_CYCLES + 1
             now = self.start(week, index)
             beidou_pages.fill(bits, slot(page), group, content, now)
+            d2_integrity.fill_grid(bits, page, content.grid)
             PAGE.write(bits, page)
-        elif number == 2:
-            INTEGRITY_PAGE.write(bits, frame % INTEGRITY_PAGES + 1)
+        else:
+            page = frame % d2_integrity.PAGES + 1
+            d2_integrity.fill(bits, number, page, content.integrity)
+            if number == 2:
+                INTEGRITY_PAGE.write(bits, page)
 
     @staticmethod
     def _fill_basic(bits: NDArray[np.uint8], content: Broadcast, page: int, week: int) -> None:
@@ -159,8 +166,14 @@ class D2Message(BeidouMessage):
         if page == IONOSPHERE_PAGE and content.klobuchar is not None:
             KLOBUCHAR.write(bits, content.klobuchar.fields())
 
+    def read(self, frames: Sequence[Frame]) -> Contents:
+        """As others, and how other satellites are judged."""
+        return super().read(frames) + d2_integrity.read(frames)
+
     def said(self, frame: Frame, latest: dict[int, Frame]) -> Contents:
         """Pages of subframe 1 are an ephemeris and the ionosphere, subframe 5 has other pages."""
+        if frame.number == 5 and d2_integrity.points(frame.page):
+            return d2_integrity.read_grid(frame.bits, frame.page, frame.transmitted)
         if frame.number == 5:
             return beidou_pages.read(frame.bits, slot(frame.page), D2, frame.transmitted)
         if frame.number != 1 or not 1 <= frame.page <= BASIC_PAGES:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from .broadcast import Contents
     from .ephemeris import Ephemeris
+    from .integrity import Integrity
     from .time import GnssTime
 
 Sent = TypeVar("Sent", Klobuchar, Bdgim, UtcParameters)
@@ -51,6 +52,9 @@ class Store:
             self._of.setdefault((e.system, e.prn), []).append(e)
         health = {name: value for s in sources for name, value in s.health}
         self._unhealthy = {name for name, value in health.items() if value}
+        self._judged: dict[tuple[str, int], list[Integrity]] = {}
+        for one in (i for s in sources for i in s.integrity or ()):
+            self._judged.setdefault((one.system, one.prn), []).append(one)
 
     def satellites(self) -> list[tuple[str, int]]:
         """Satellites with an ephemeris: (system, PRN), sorted."""
@@ -84,11 +88,21 @@ class Store:
         )
 
     def _healthy(self, known: list[Ephemeris], best: Ephemeris, time: GnssTime) -> bool:
-        """By the last ephemeris sent until then, the one chosen, and the health pages."""
+        """By the last ephemeris sent until then, the one chosen, the health pages, and how
+        geostationary satellites judged it last."""
         sent = [e for e in known if not time < e.transmitted]
         last = max(sent, key=lambda e: e.transmitted) if sent else best
         name = satellite_name(best.system, best.prn)
-        return best.health == 0 and last.health == 0 and name not in self._unhealthy
+        told = best.health == 0 and last.health == 0 and name not in self._unhealthy
+        return told and self._usable(best.system, best.prn, time)
+
+    def _usable(self, system: str, prn: int, time: GnssTime) -> bool:
+        """By the last judgement sent until then; before the first, by that."""
+        judged = self._judged.get((system, prn), [])
+        dated = [i for i in judged if i.transmitted is not None]
+        sent = [i for i in dated if i.transmitted is not None and not time < i.transmitted]
+        last = max(sent, key=_sent) if sent else min(dated, key=_sent, default=None)
+        return last is None or last.usable
 
     def all_at(
         self, time: GnssTime, messages: Iterable[str] | None = None
@@ -110,6 +124,11 @@ class Store:
     def utc(self, system: str, time: GnssTime) -> UtcParameters | None:
         """Parameters of a system's UTC that were sent closest to a time."""
         return _closest([u for u in self.utc_parameters if u.system == system], time)
+
+
+def _sent(one: Integrity) -> GnssTime:
+    assert one.transmitted is not None
+    return one.transmitted
 
 
 def _closest(items: list[Sent], time: GnssTime) -> Sent | None:

@@ -18,7 +18,7 @@ from sdr_spoof.observables import ReceiverClock, observe
 from sdr_spoof.signals import LIGHT_M_S
 
 from .hot import anchors_by, unconfirmed
-from .reasons import reasons
+from .reasons import reasons, unmodelled
 from .route import route_of
 from .single import single_fix
 from .trust import solve_trusted
@@ -103,7 +103,8 @@ def locate(
         fixes, told = unconfirmed(fixes, geodetic_to_ecef(place), within_m)
         navigation = _noted(navigation, told)
     route = route_of(fixes, seen, verdict)
-    notes = (*navigation.notes, *seen.notes, *reasons(fixes))
+    lacks = unmodelled(fixes, navigation, config.pvt)
+    notes = (*navigation.notes, *seen.notes, *reasons(fixes), *lacks)
     return Located(navigation, seen, fixes, route, tuple(dict.fromkeys(notes)))
 
 

@@ -1,13 +1,19 @@
-"""Why satellites were left out, and why there is no fix, in words."""
+"""Why satellites were left out, why there is no fix, and what fixes lack, in words."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from sdr_spoof.fixes import CAUSES, Cause
+from sdr_spoof.nav.store import Store
+from sdr_spoof.pvt.models import ionosphere
 
 if TYPE_CHECKING:
     from sdr_spoof.fixes import Fixes
+    from sdr_spoof.nav.broadcast import Contents
+    from sdr_spoof.pvt import PvtConfig
 
 UNTOLD = (Cause.LOW, Cause.NO_FIX, Cause.NOT_WANTED)
 
@@ -30,3 +36,17 @@ def reasons(fixes: Fixes) -> list[str]:
             hint = "; a navigation file would tell the orbits that were not received in full"
         told.append(f"no fix: {fixes.reason(fixes.epochs - 1)}{hint}")
     return told
+
+
+def unmodelled(fixes: Fixes, navigation: Contents, config: PvtConfig) -> list[str]:
+    """That an ionosphere is wanted whose parameters nobody told."""
+    if config.ionosphere == "none" or not fixes.fixed.any():
+        return []
+    store, at = Store(navigation), fixes.time(int(np.flatnonzero(fixes.fixed)[0]))
+    models = [ionosphere(config, system, store, at) for system in fixes.systems]
+    if not any(m is None or m.blank for m in models):
+        return []
+    return [
+        "the parameters of the ionosphere were not received, or are all zero: heights may be 10 m "
+        "off and more; a navigation file would tell them"
+    ]

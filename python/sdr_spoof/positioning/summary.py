@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -9,9 +10,12 @@ import numpy as np
 
 from sdr_spoof.fixes import Status
 from sdr_spoof.route import Quality
+from sdr_spoof.signals import satellite_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from sdr_spoof.nav.broadcast import Contents
 
     from .located import Located
 
@@ -41,7 +45,31 @@ class Summary:
     """Used in any fix."""
     left_out: tuple[str, ...]
     """Spoofed satellites that no fix used from their onset on."""
+    integrity: tuple[Judged, ...]
+    """How geostationary BDS satellites judged others last."""
     notes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Judged:
+    """The last that was said of a satellite; None where nothing is, or no limit."""
+
+    satellite: str
+    usable: bool
+    udre_m: float | None
+    rura_m: float | None
+    correction_m: float | None
+
+
+def _judged(navigation: Contents) -> tuple[Judged, ...]:
+    def known(value: float) -> float | None:
+        return value if math.isfinite(value) else None
+
+    last = {satellite_name(i.system, i.prn): i for i in navigation.integrity or ()}
+    return tuple(
+        Judged(name, i.usable, known(i.udre_m), known(i.rura_m), known(i.correction_m))
+        for name, i in sorted(last.items())
+    )
 
 
 def summarise(found: Located) -> Summary:
@@ -73,6 +101,7 @@ def summarise(found: Located) -> Summary:
         left_out=tuple(
             dict.fromkeys(name for epoch in range(fixes.epochs) for name in fixes.spoofed(epoch))
         ),
+        integrity=_judged(found.navigation),
         notes=found.notes,
     )
 
@@ -99,3 +128,6 @@ def sentences(summary: Summary) -> Iterator[str]:
         yield (f"{summary.unchecked} of them are unchecked: nothing would show if they were wrong")
     if summary.left_out:
         yield f"Left out as spoofed: {', '.join(summary.left_out)}"
+    bad = [j.satellite for j in summary.integrity if not j.usable]
+    if bad:
+        yield f"Not to be used, by the integrity message of BDS: {', '.join(bad)}"

@@ -52,17 +52,20 @@ def ionosphere(config: PvtConfig, system: str, store: Store, time: GnssTime) -> 
     """
     if config.ionosphere == "none":
         return None
-    own = "C" if system == "C" else "G"
-    other = "G" if own == "C" else "C"
-    klobuchar = store.klobuchar(own, time) or store.klobuchar(other, time)
+    own, other = (store.klobuchar(s, time) for s in ("CG" if system == "C" else "GC"))
+    klobuchar = _fullest(own, other)
     bdgim = store.bdgim(time)
     if config.ionosphere == "klobuchar":
         return _found(klobuchar, "klobuchar")
     if config.ionosphere == "bdgim":
         return _found(bdgim, "bdgim")
-    if system == "C":
-        return bdgim or klobuchar
-    return store.klobuchar(own, time) or bdgim or klobuchar
+    return _fullest(bdgim, klobuchar) if system == "C" else _fullest(own, bdgim, klobuchar)
+
+
+def _fullest(*models: Ionosphere | None) -> Ionosphere | None:
+    """The first that says anything, or else the first there is."""
+    known = [m for m in models if m is not None]
+    return next((m for m in known if not m.blank), next(iter(known), None))
 
 
 def _found(model: Ionosphere | None, name: str) -> Ionosphere:

@@ -16,23 +16,19 @@ from sdr_spoof.fusion import share_of
 from sdr_spoof.positioning import Located
 from sdr_spoof.records import Acquisition, Alarm, SatelliteVerdict, TrackLog, Verdict
 from sdr_spoof.report import words
+from sdr_spoof.report.crew import Crew, Picture
 from sdr_spoof.report.evidence import EvidenceBook
 from sdr_spoof.report.figures.case import Case
 from sdr_spoof.report.figures.difference import draw_difference
-from sdr_spoof.report.figures.overview import draw_overview, draw_quiet
-from sdr_spoof.report.figures.satellite import draw_satellite
-from sdr_spoof.report.figures.signals import draw_acquisition, draw_cn0
-from sdr_spoof.report.figures.spectrum import draw_spectrum
+from sdr_spoof.report.figures.overview import draw_overview
 from sdr_spoof.report.figures.truth import TruthMark
+from sdr_spoof.report.pictures import MOST_DETAILS, Pictures
 from sdr_spoof.report.position import draw_position
 from sdr_spoof.report.spectrum import RecordingLike, estimate_spectrum
-from sdr_spoof.satellites import tracks_of
 from sdr_spoof.sinks.atomic import replacing
 from sdr_spoof.verdict import CLEAN, NO_SUPPORT, SPOOFED, SUSPECT, statistics
 
 MARKS = {SPOOFED: "✖", SUSPECT: "?", CLEAN: "✔", NO_SUPPORT: "–"}
-MOST_DETAILS = 16
-"""Satellites drawn in detail, worst news first; more would make the report slow and large."""
 MOST_OVERVIEWS = 3
 """Overviews at the top of the report; those of further satellites are in their details."""
 MOST_ALARMS = 2
@@ -53,25 +49,35 @@ def write_report(
     located: Located | None = None,
     why_not_located: str = "",
     book: EvidenceBook | None = None,
+    pictures: Pictures | None = None,
     force: bool = False,
 ) -> Path:
     """Writes the report; the same input gives the same bytes.
 
     ``recording`` is read for the spectrum and may be None; ``effective_config`` is the (nested)
     configuration of the whole run; ``why_not_located`` says why there are no positions; ``book``
-    has what detection showed, without it all tests are made again. Raises OutputError if the file
-    exists (unless ``force``) or cannot be written.
+    has what detection showed, without it all tests are made again; ``pictures`` are those that have
+    been asked for already. Raises OutputError if the file exists (unless ``force``) or cannot be
+    written.
     """
     path = Path(path)
     if path.exists() and not force:
         raise OutputError(f"{path}: exists already; add --force to replace it")
     ordered = words.ordered(verdict)
-    tests = _draw_tests(log, verdict, book or _book_of(log, detection), truth)
+    book = book or _book_of(log, detection)
+    book.judge(verdict)
+    pictures = pictures or Pictures(Crew())
+    acquired = pictures.acquired(acquisitions)
     verdicts = {(s.system, s.prn): s.verdict for s in ordered}
     signals = list(
         dict.fromkeys([t.signal for t in log.signals] or [a.signal for a in acquisitions])
     )
     spectrum = estimate_spectrum(recording) if recording is not None else None
+    spectral = pictures.spectrum(spectrum, signals) if spectrum is not None else None
+    cn0 = pictures.cn0(log, verdict)
+    tests = _draw_tests(log, verdict, book, truth)
+    position = draw_position(located, why_not_located)
+    pictures.finish()
     content = template("report.html.j2").stream(
         words=words,
         verdict=verdict,
@@ -84,15 +90,15 @@ def write_report(
         log=log,
         recording=recording,
         acquisitions=sorted(acquisitions, key=lambda a: (words.name_of(a.signal, a.prn), a.signal)),
-        acquisition_figure=draw_acquisition(acquisitions) if acquisitions else None,
+        acquisition_figure=_uri(acquired),
         spectrum=spectrum,
-        spectrum_figure=draw_spectrum(spectrum, signals) if spectrum is not None else None,
-        cn0_figure=draw_cn0(log, verdicts) if log.signals else None,
-        table=list(tests.book.rows(detection.detectors, list(verdicts))),
+        spectrum_figure=_uri(spectral),
+        cn0_figure=_uri(cn0),
+        table=list(book.rows(detection.detectors, list(verdicts))),
         verdicts=verdicts,
         overviews=[(s, tests.overviews[s.system, s.prn]) for s in ordered if _on_top(s, ordered)],
-        details=list(_details(ordered[:MOST_DETAILS], log, tests)),
-        position=draw_position(located, why_not_located),
+        details=list(_details(ordered[:MOST_DETAILS], log, tests, pictures, book)),
+        position=position,
         left_out=[words.satellite_name(s.system, s.prn) for s in ordered[MOST_DETAILS:]],
         config=list(flatten(effective_config or {"detection": detection.model_dump()})),
         versions=[(name, version(name)) for name in LIBRARIES]
@@ -122,13 +128,10 @@ def _on_top(satellite: SatelliteVerdict, ordered: Sequence[SatelliteVerdict]) ->
 
 @dataclass
 class _Tests:
-    """What was tested, and pictures of it."""
+    """Pictures of tests that alarmed."""
 
-    book: EvidenceBook
     overviews: dict[tuple[str, int], str] = field(default_factory=dict)
     alarms: dict[Alarm, str] = field(default_factory=dict)
-    quiet: dict[tuple[str, int], str] = field(default_factory=dict)
-    """Of satellites without an alarm."""
 
 
 def _book_of(log: TrackLog, config: DetectionConfig) -> EvidenceBook:
@@ -142,19 +145,14 @@ def _book_of(log: TrackLog, config: DetectionConfig) -> EvidenceBook:
 def _draw_tests(
     log: TrackLog, verdict: Verdict, book: EvidenceBook, truth: TruthMark | None
 ) -> _Tests:
-    book.judge(verdict)
     satellites = words.ordered(verdict)[:MOST_DETAILS]
     shown = [alarm for s in satellites for alarm in s.alarms[:MOST_ALARMS]]
-    drawn = _Tests(book, alarms=_draw_alarms(log, book.config, shown, truth))
+    drawn = _Tests(alarms=_draw_alarms(log, book.config, shown, truth))
     for satellite in satellites:
         key = satellite.system, satellite.prn
-        if key not in book.satellites:
-            continue
-        case = Case.of(satellite, book.satellites[key], log, _of(truth, *key))
-        if satellite.alarms:
+        if satellite.alarms and key in book.satellites:
+            case = Case.of(satellite, book.satellites[key], log, _of(truth, *key))
             drawn.overviews[key] = draw_overview(case)
-        elif (quiet := draw_quiet(case)) is not None:
-            drawn.quiet[key] = quiet
     return drawn
 
 
@@ -181,16 +179,24 @@ def _of(truth: TruthMark | None, system: str, prn: int) -> TruthMark | None:
 
 
 def _details(
-    satellites: Sequence[SatelliteVerdict], log: TrackLog, tests: _Tests
-) -> Iterator[tuple[SatelliteVerdict, str, str | None, str | None, list[tuple[Alarm, str]]]]:
+    satellites: Sequence[SatelliteVerdict],
+    log: TrackLog,
+    tests: _Tests,
+    pictures: Pictures,
+    book: EvidenceBook,
+) -> Iterator[tuple[SatelliteVerdict, str | None, str | None, str | None, list[tuple[Alarm, str]]]]:
     """(satellite, small multiples, overview not at the top, tests of a quiet one, alarms)."""
     for satellite in satellites:
         key = satellite.system, satellite.prn
-        tracks = tracks_of(log, *key)
-        figure = draw_satellite(tracks, satellite.onset_s, log.duration_s)
+        figure = _uri(pictures.detail(log, satellite))
         overview = None if _on_top(satellite, satellites) else tests.overviews.get(key)
+        quiet = _uri(pictures.quiet(log, satellite, book))
         alarms = [(a, tests.alarms[a]) for a in satellite.alarms if a in tests.alarms]
-        yield satellite, figure, overview, tests.quiet.get(key), alarms
+        yield satellite, figure, overview, quiet, alarms
+
+
+def _uri(picture: Picture | None) -> str | None:
+    return picture.uri if picture is not None else None
 
 
 def flatten(config: Mapping[str, object], prefix: str = "") -> Iterator[tuple[str, str]]:

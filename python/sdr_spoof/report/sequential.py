@@ -11,7 +11,7 @@ from sdr_spoof.aiding.dme.statistics import STATISTICS
 
 from . import sequential_words as words
 from .figures.looks import Look, azimuth_elevation_deg
-from .figures.sequential_place import draw_places
+from .figures.sequential_place import ALL, DRIFT, draw_places
 from .page import Page, Part, Row, Table, listed
 from .words import times
 
@@ -31,6 +31,10 @@ LIMITS = (
     "“No spoofing found” means that the tests found nothing. What each of them cannot see is "
     "listed under Tests. Ranges cannot tell a majority of satellites that is moved alike from "
     "healthy ones with another clock."
+)
+LEARNT = (
+    " The drift of the INS is learnt from the satellites, and with it drags that are no faster "
+    "than it may drift."
 )
 
 
@@ -67,7 +71,7 @@ def sequential_page(
         level=words.level(found),
         headline=words.headline(found),
         sentences=tuple(words.sentences(found)),
-        facts=tuple(_facts(found)),
+        facts=tuple(_facts(found, config)),
         notes=(*notes, *found.notes),
         parts=tuple(_parts(found, watched, config, picture)),
         times=f"times are seconds of system time since {since}",
@@ -78,13 +82,15 @@ def _utc(reference: GnssTime) -> str:
     return f"{reference.utc():%Y-%m-%d %H:%M:%S}"
 
 
-def _facts(found: Judgement) -> Iterator[tuple[str, str]]:
+def _facts(found: Judgement, config: SequentialConfig) -> Iterator[tuple[str, str]]:
     yield "Why", words.why(found)
     if found.alarm_s is not None:
         yield "How sure", words.sureness(found)
         yield "What to do", words.action(found)
     if (where := words.place(found)) is not None:
         yield "The fix", where
+    if config.ins_grade is not None:
+        yield "The INS", words.drift(found, config)
     yield "What was tested", words.tested(found)
     yield "Limits", LIMITS
 
@@ -107,7 +113,7 @@ def _parts(
         "them, it agrees.",
         table=_channels(found, watched),
     )
-    yield _geometry(found)
+    yield _geometry(found, config)
     yield _tests(found, config)
 
 
@@ -132,32 +138,37 @@ def _level(found: Judgement, channel: str) -> str:
     if channel in found.spoofed:
         return "spoofed"
     of = [t for t in found.tested if t.channel == channel]
-    if not any(not t.note for t in of):
+    if all(t.note for t in of):
         return "unsupported"
-    named = found.isolation is not None and found.isolation.satellites is not None
-    if any(t.decided for t in of) and not (named and not found.captured):
-        return "suspect"
-    return "clean"
+    if found.captured:
+        satellite = channel in found.differences.satellites
+        doubted = not found.spoofed if satellite else any(t.decided for t in of)
+    else:
+        named = found.isolation is not None and found.isolation.satellites is not None
+        doubted = not named and any(t.decided for t in of)
+    return "suspect" if doubted else "clean"
 
 
 def _said(found: Judgement, channel: str) -> str:
-    level = _level(found, channel)
-    if level == "suspect" and channel not in found.differences.satellites:
-        return "INS contradicted"
+    level, satellite = _level(found, channel), channel in found.differences.satellites
+    if level == "suspect" and found.captured:
+        return "contradicted by DME" if satellite else "contradicts them"
     if level == "clean" and any(t.decided for t in found.tested if t.channel == channel):
         return "drawn by the others"
     return {"clean": "no objection", "unsupported": "not tested"}.get(level, level)
 
 
-def _geometry(found: Judgement) -> Part:
+def _geometry(found: Judgement, config: SequentialConfig) -> Part:
     differences = found.differences
     epochs = np.unique(
         np.linspace(0, differences.time_s.size - 1, MOST_FIXES).round().astype(np.int64)
     )
-    offsets = {"all satellites": fix_course(differences, epochs)}
+    offsets = {ALL: fix_course(differences, epochs)}
     if found.spoofed:
         out = [differences.satellites.index(s) for s in found.spoofed]
         offsets[f"without {listed(found.spoofed)}"] = fix_course(differences, epochs, out)
+    if config.ins_grade is not None:
+        offsets[DRIFT] = -differences.error_m[epochs]
     looks = list(_looks(found, epochs))
     picture = draw_places(looks, differences.time_s[epochs], offsets, found.alarm_s)
     return Part(
@@ -194,6 +205,7 @@ def _where(looks: Sequence[Look], sigma_m: NDArray[np.float64]) -> Table:
 
 def _tests(found: Judgement, config: SequentialConfig) -> Part:
     """What each test asks and cannot see, and by what it decides."""
+    learnt = LEARNT if config.ins_grade is not None else ""
     names = list(dict.fromkeys(t.test for t in found.tested))
     rows = [Row((words.TITLES[n], STATISTICS[n].tests, STATISTICS[n].blind_to)) for n in names]
     columns = ("Test", "What it tests", "What it cannot see")
@@ -202,6 +214,7 @@ def _tests(found: Judgement, config: SequentialConfig) -> Part:
         "Tests",
         f"All together raise a false alarm in an hour with a probability of {each:g}, shared "
         f"equally by {len(found.tested)} channels, as long as noise is white and normal; the "
-        f"first {config.baseline_s:g} s and the first third of the samples tell whether it is.",
+        f"first {config.baseline_s:g} s and the first third of the samples tell whether it is."
+        + learnt,
         table=Table(columns, tuple(rows), columns),
     )

@@ -15,6 +15,7 @@ from .page import listed
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from sdr_spoof.aiding.dme.config import SequentialConfig
     from sdr_spoof.aiding.dme.judge import Judgement, Tested
     from sdr_spoof.decision import Decision
 
@@ -63,9 +64,15 @@ def sentences(found: Judgement) -> Iterator[str]:
     when = f"since {decided.onset_s:.1f} s (alarm at {found.alarm_s:.1f} s)"
     yield f"{_who(found)}, {when}."
     if found.captured:
-        yield "DME contradicts the INS: it follows the spoofer and cannot be trusted."
-    if found.spoofed and found.isolation is not None and not found.isolation.unique:
-        yield "Another set of as many satellites explains it nearly as well."
+        if found.differences.learnt:
+            yield "DME contradicts the place that INS and satellites give together."
+        else:
+            yield "DME contradicts the INS: it follows the spoofer and cannot be trusted."
+    if found.spoofed and found.isolation is not None:
+        if not found.isolation.unique:
+            yield "Another set of as many satellites explains it nearly as well."
+        if found.isolation.after_m is None:
+            yield "It may be all of them: too few are left for a place."
 
 
 def _who(found: Judgement) -> str:
@@ -75,8 +82,9 @@ def _who(found: Judgement) -> str:
     if isolation is None or isolation.satellites is None:
         return "Which satellites cannot be told, no set of them explains it"
     if found.captured:
-        return "All satellites alike, and the INS with them"
-    return "Which satellites cannot be told, they soon agreed again"
+        alone = found.differences.learnt
+        return "All satellites alike" if alone else "All satellites alike, and the INS with them"
+    return "Which satellites cannot be told, they soon agreed with one another"
 
 
 def why(found: Judgement) -> str:
@@ -115,10 +123,13 @@ def by_noise(probability: float) -> str:
 
 def action(found: Judgement) -> str:
     """What to do."""
-    if found.spoofed:
-        return f"leave {listed(found.spoofed)} out; the place found with the others is good"
+    isolation = found.isolation
+    if found.spoofed and isolation is not None and isolation.unique:
+        if isolation.after_m is not None:
+            return f"leave {listed(found.spoofed)} out; the place found with the others is good"
+        return f"leave {listed(found.spoofed)} out; the others give no place, the INS alone goes on"
     if found.captured:
-        return "trust neither GNSS nor the INS that it corrects; DME tells the place"
+        return "trust neither GNSS nor what it makes of the INS; DME tells the place"
     return "trust no satellite while this lasts; the INS alone goes on, less and less exactly"
 
 
@@ -131,6 +142,16 @@ def place(found: Judgement) -> str | None:
     if found.spoofed and isolation.after_m is not None:
         return f"{text}, without {listed(found.spoofed)} {_size_m(isolation.after_m)}"
     return text
+
+
+def drift(found: Judgement, config: SequentialConfig) -> str:
+    """How far a free INS is expected to be off at the end."""
+    off_m = np.linalg.norm(found.differences.error_m[-1])
+    sigma_m = np.sqrt(np.trace(found.differences.error_m2[-1]))
+    return (
+        f"a free one of grade “{config.ins_grade}”, aligned {config.ins_aligned_s:g} s before the "
+        f"first epoch; expected to be off by {off_m:.0f} m (sigma {sigma_m:.1f} m) at the end"
+    )
 
 
 def tested(found: Judgement) -> str:

@@ -1,10 +1,14 @@
-"""The track as KML 2.2 (OGC 07-147r2): lines coloured by alarm, laid on the ground."""
+"""The track as KML 2.2 (OGC 07-147r2): lines coloured by alarm, laid on the ground.
+
+Altitudes are above the geoid, as KML has them, by the table of :mod:`sdr_spoof.nav.geoid`.
+"""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
+from sdr_spoof.nav.geoid import geoid_height_m
 from sdr_spoof.route import ALARM_COLOURS, Alarm
 
 from .atomic import write_bytes
@@ -47,8 +51,9 @@ def _placemark(
         time = route.times[epoch].utc().isoformat(timespec="milliseconds")
         _add(span, tag, time.replace("+00:00", "Z"))
     _add(mark, "styleUrl", f"#{alarm.name.lower()}")
+    altitude = route.height_m - geoid_height_m(route.latitude_deg, route.longitude_deg)
     places = [
-        f"{route.longitude_deg[i]:.9f},{route.latitude_deg[i]:.9f},{route.height_m[i]:.4f}"
+        f"{route.longitude_deg[i]:.9f},{route.latitude_deg[i]:.9f},{altitude[i]:.4f}"
         for i in epochs
     ]
     shape = _add(mark, "LineString" if len(epochs) > 1 else "Point")

@@ -1,8 +1,9 @@
 """NMEA 0183 (4.11): GGA, RMC, GSA and GSV for every epoch, by pynmeagps.
 
 The talker is the system of the satellites used (GB for BeiDou, GP, GA), GN for several. GSV go by
-system and signal. There is no geoid model: altitudes are above the ellipsoid, with a separation of
-zero. The navigational status of RMC tells what the detectors say: S (safe), C (caution: a satellite
+system and signal. Altitudes are above the geoid of EGM2008 by a coarse table (0.2 m rms, see
+:mod:`sdr_spoof.nav.geoid`); altitude plus separation is the height above the ellipsoid, to 0.01 m.
+The navigational status of RMC tells what the detectors say: S (safe), C (caution: a satellite
 was under suspicion or left out as spoofed), U (unsafe: the fix contradicts itself, or rests on
 satellites under suspicion while others are spoofed).
 """
@@ -17,6 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pynmeagps import GET, NMEAMessage
 
+from sdr_spoof.nav.geoid import geoid_height_m
 from sdr_spoof.route import Alarm, Quality
 
 from .atomic import write_bytes
@@ -88,8 +90,11 @@ def _minutes(degrees: float, digits: int) -> str:
 def _gga(route: Route, epoch: int, used: int) -> list[str]:
     values = ["0", "00", "", "", "", "", ""]
     if route.fixed[epoch]:
-        height = f"{route.height_m[epoch]:.2f}"
-        values = ["1", f"{used:02d}", _two(route.dop[epoch, 1]), height, "M", "0.0", "M"]
+        geoid = geoid_height_m(route.latitude_deg[epoch], route.longitude_deg[epoch])
+        separation = round(float(geoid), 1)
+        altitude = f"{route.height_m[epoch] - separation:.2f}"
+        head = ["1", f"{used:02d}", _two(route.dop[epoch, 1])]
+        values = [*head, altitude, "M", f"{separation:.1f}", "M"]
     return [_clock(route, epoch), *_place(route, epoch), *values, "", ""]
 
 

@@ -33,3 +33,11 @@ class SequentialConfig(BaseModel):
     dme_clock_s: float = Field(
         0.5, gt=0.0, description="A DME range counts for epochs at most this far away, in s."
     )
+    ins_grade: str | None = Field(
+        None,
+        description="Quality of a free INS, by name (as rate-grade): its drift is learnt, and only "
+        "what it cannot explain counts (default: places of the INS are exact).",
+    )
+    ins_aligned_s: float = Field(
+        0.0, ge=0.0, description="Time from that INS's alignment to the first epoch, in s."
+    )

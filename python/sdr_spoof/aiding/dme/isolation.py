@@ -50,6 +50,7 @@ def isolate(
     epochs: int = 1,
     *,
     trusted: bool = True,
+    expected: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None,
 ) -> Isolation:
     """From means of differences over some epochs, (m,).
 
@@ -59,15 +60,19 @@ def isolate(
         geometry: of the window's middle.
         epochs: that were averaged.
         trusted: whether the INS is known not to be captured.
+        expected: error of the INS by itself, east, north, up (3,), and its covariance (3, 3);
+            none if not given.
     """
+    error_m, error_m2 = (np.zeros(3), np.zeros((3, 3))) if expected is None else expected
+    free = epochs * error_m2 if trusted else None
     rows = np.isfinite(differences_m[: geometry.satellites])
     known = [int(j) for j in np.flatnonzero(rows)]
-    mean = differences_m * np.sqrt(epochs)
+    mean = (differences_m - geometry.design[:, :3] @ error_m) * np.sqrt(epochs)
     for size in range(len(known)):
         fits = []
         for left_out in combinations(known, size):
             kept = [j for j in known if j not in left_out]
-            found = _misfit(mean, geometry, kept, trusted)
+            found = _misfit(mean, geometry, kept, free)
             if found is not None and found[0] <= chi2.isf(AGREE, found[1]):
                 fits.append((found[0], left_out))
         if fits:
@@ -78,15 +83,26 @@ def isolate(
 
 
 def _misfit(
-    mean: NDArray[np.float64], geometry: Geometry, kept: list[int], trusted: bool
+    mean: NDArray[np.float64],
+    geometry: Geometry,
+    kept: list[int],
+    error_m2: NDArray[np.float64] | None,
 ) -> tuple[float, int] | None:
-    """Sum of squares that no clock (and no position) explains, and its degrees of freedom."""
-    columns = [3] if trusted else [0, 1, 2, 3]
-    design = geometry.design[np.ix_(kept, columns)] / geometry.sigma_m[kept, None]
-    freedom = len(kept) - len(columns)
+    """Sum of squares that no clock and no error of the INS explains, and its degrees of freedom.
+
+    The INS is wrong by as much as a covariance allows, or by anything (None).
+    """
+    unknown = [3] if error_m2 is not None else [0, 1, 2, 3]
+    freedom = len(kept) - len(unknown)
     if freedom < 1:
         return None
-    z = mean[kept] / geometry.sigma_m[kept]
+    place = geometry.design[kept, :3]
+    total = np.diag(geometry.sigma_m[kept] ** 2)
+    if error_m2 is not None:
+        total = total + place @ error_m2 @ place.T
+    root = np.linalg.cholesky(total)
+    design = np.linalg.solve(root, geometry.design[np.ix_(kept, unknown)])
+    z = np.linalg.solve(root, mean[kept])
     residual = z - design @ np.linalg.lstsq(design, z, rcond=None)[0]
     return float(residual @ residual), freedom
 

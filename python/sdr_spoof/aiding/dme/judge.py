@@ -19,6 +19,7 @@ from sdr_spoof.detectors.series import StatisticSeries
 from sdr_spoof.errors import AidingError
 
 from .config import SequentialConfig
+from .drift import Drift
 from .isolation import Isolation, isolate
 from .observed import Differences, differences
 from .statistics import STATISTICS
@@ -26,6 +27,7 @@ from .statistics import STATISTICS
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from sdr_spoof.aiding.rate_config import RateConfig
     from sdr_spoof.aiding.records import InertialStates, Measurements
 
     from .geometry import Geometry
@@ -74,14 +76,19 @@ def judge(
     ins: InertialStates,
     dme: DmeLog | None = None,
     config: SequentialConfig | None = None,
+    rate: RateConfig | None = None,
 ) -> Judgement:
-    """Run all tests.
+    """Run all tests; ``rate`` says how well a free INS was aligned.
 
     Raises:
-        AidingError: records do not go together, or are too few; ConfigError: no such rule.
+        AidingError, NavigationError: records do not go together, or are too few.
+        ConfigError: no such rule, or no such grade of INS.
     """
     config = config or SequentialConfig()
     found = differences(measurements, ins, dme, config)
+    drift = Drift.of(measurements, ins, config, rate)
+    if drift is not None:
+        found = drift.expected(found)
     series, notes = [], []
     for name in TESTS:
         if name == DME and dme is None:
@@ -94,9 +101,13 @@ def judge(
     tested = tuple(_decided(test, channel, s, detection) for test, channel, s in series)
     notes += list(dict.fromkeys(t.note for t in tested if t.note))
     alarms = [(t.decided.alarm_s, t) for t in tested if t.decided is not None]
-    alarm_s = min((a for a, _ in alarms), default=None)
     captured = any(t.test == DME for _, t in alarms)
-    isolation = None if alarm_s is None else _isolated(found, alarm_s, captured, config)
+    alarm_s, first = min(alarms, key=lambda a: a[0], default=(None, None))
+    isolation = None
+    if alarm_s is not None and first is not None and first.decided is not None:
+        # What came after the onset has taught the filter wrong.
+        known = found if drift is None else drift.expected(found, first.decided.onset_s)
+        isolation = _isolated(known, alarm_s, captured, config)
     return Judgement(found, tested, alarm_s, captured, isolation, tuple(notes))
 
 
@@ -138,16 +149,14 @@ def _fill(row: NDArray[np.float64], found: Differences, epoch: int, name: str) -
     known = found.known(epoch)
     satellites = known[known < found.count]
     if name != DME:
-        geometry: Geometry = found.geometry(epoch, satellites)
-        values = STATISTICS[name].values(found.differences_m[epoch, satellites], geometry)
-        row[satellites] = values
+        row[satellites] = found.channels(STATISTICS[name], epoch, satellites)
         return
     stations = known[known >= found.count]
     if not stations.size or stations[0] != found.count:
         raise AidingError("the first DME station is missing; the others are compared with it")
     geometry = found.geometry(epoch, stations)
     kept = _apart(geometry)
-    values = STATISTICS[name].values(found.differences_m[epoch, stations], geometry)
+    values = found.channels(STATISTICS[name], epoch, stations)
     row[(stations[1:] - found.count - 1)[kept]] = values
 
 
@@ -201,6 +210,7 @@ def _isolated(
     middle = int(rows[rows.size // 2])
     geometry = found.geometry(middle, sats)
     mean = found.differences_m[rows][:, sats].mean(axis=0)
-    made = isolate(mean, geometry, rows.size, trusted=not captured)
+    expected = found.error_m[rows].mean(axis=0), found.error_m2[middle]
+    made = isolate(mean, geometry, rows.size, trusted=not captured, expected=expected)
     named = None if made.satellites is None else tuple(int(sats[j]) for j in made.satellites)
     return Isolation(named, made.before_m, made.after_m, made.unique)

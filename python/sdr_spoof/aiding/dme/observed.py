@@ -30,10 +30,17 @@ if TYPE_CHECKING:
 
     from .config import SequentialConfig
     from .records import DmeLog
+    from .statistics import Statistic
+
+    Floats = NDArray[np.float64]
 
 GAP = 1.5
 """Usual steps of the INS from which on two states are not joined."""
 LEAST_SIGMA_M = 0.1
+HELD, HELD_SQUARE = 3.0, 0.995007
+"""Steps count with at most so many rough standard deviations, so that glitches do not; the mean
+square of normal numbers that are held so. The median alone, 1.4 times as uncertain, alarms more
+often than is promised."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +56,12 @@ class Differences:
     """Unit vectors to satellites and stations, east, north, up, (E, n + d, 3)."""
     sigma_m: NDArray[np.float64]
     """(E, n + d)"""
+    axes: NDArray[np.float64]
+    """East, north, up, one a row, Earth-fixed, (3, 3)."""
+    error_m: NDArray[np.float64]
+    """What the INS is expected to be off: east, north, up, (E, 3)."""
+    error_m2: NDArray[np.float64]
+    """Covariance of that, (E, 3, 3)."""
 
     def known(self, epoch: int) -> NDArray[np.int64]:
         """Columns with a difference at an epoch."""
@@ -60,6 +73,20 @@ class Differences:
         sats, dmes = (rows[k] for k in (rows < self.count, rows >= self.count))
         to, sigma = self.to[epoch], self.sigma_m[epoch]
         return Geometry.of(to[sats], sigma[sats], to[dmes], sigma[dmes])
+
+    def channels(self, statistic: Statistic, epoch: int, columns: NDArray[np.int64]) -> Floats:
+        """A statistic of some columns, less what the INS is expected to add, of unit variance."""
+        geometry = self.geometry(epoch, columns)
+        weights = statistic.weights(geometry)
+        seen = weights @ geometry.design[:, :3]
+        spread = 1.0 + np.einsum("ci,ij,cj->c", seen, self.error_m2[epoch], seen)
+        left = weights @ self.differences_m[epoch, columns] - seen @ self.error_m[epoch]
+        return np.asarray(left / np.sqrt(spread))
+
+    @property
+    def learnt(self) -> bool:
+        """Whether anything is known of the drift of the INS."""
+        return bool(self.error_m2.any())
 
     @property
     def count(self) -> int:
@@ -94,12 +121,16 @@ def differences(
         found = _dme(measurements, antenna, shift_s, dme, places, config)
         for part, of_dme in zip((y, to, sigma), found, strict=True):
             part.append(of_dme)
+    axes, epochs = _axes(places), measurements.time_s.size
     made = Differences(
         measurements.time_s,
         tuple(measurements.satellites[k] for k in columns),
         np.concatenate(y, axis=1),
-        _local(places, np.concatenate(to, axis=1)),
+        np.concatenate(to, axis=1) @ axes.T,
         np.concatenate(sigma, axis=1),
+        axes,
+        np.zeros((epochs, 3)),
+        np.zeros((epochs, 3, 3)),
     )
     return _scaled(made, config)
 
@@ -184,11 +215,11 @@ def _nearest(times: NDArray[np.float64], wanted: NDArray[np.float64]) -> NDArray
     return np.where(np.abs(times[before] - wanted) <= np.abs(times[after] - wanted), before, after)
 
 
-def _local(places: NDArray[np.float64], to: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Unit vectors in east, north, up; the axes are those of the first place that is known."""
+def _axes(places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """East, north, up at the first place that is known."""
     first = int(np.argmax(np.isfinite(places).all(axis=1)))
     latitude, longitude, _ = ecef_to_geodetic(places[first])
-    return np.asarray(to @ enu_matrix(latitude, longitude).T)
+    return enu_matrix(latitude, longitude)
 
 
 def _scaled(made: Differences, config: SequentialConfig) -> Differences:
@@ -213,4 +244,6 @@ def _measured_sigma(made: Differences, config: SequentialConfig) -> float:
             f"the first {config.baseline_s:g} s hold too few pseudoranges to measure their noise; "
             "give it (--sequential-sigma-m) or a longer baseline"
         )
-    return max(float(1.4826 * np.median(np.abs(steps))), LEAST_SIGMA_M)
+    rough = 1.4826 * float(np.median(np.abs(steps)))
+    held = np.minimum(np.abs(steps), HELD * rough)
+    return max(float(np.sqrt(np.mean(held**2) / HELD_SQUARE)), LEAST_SIGMA_M)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
@@ -118,21 +117,16 @@ def _legend(figure: Figure, axes: Axes, alarm: Alarm | None, truth: TruthMark | 
     found = [(axes.get_lines()[0], "alarm threshold")]
     if alarm is not None:
         found += [
-            (_sample(style.ALARM, (0, ())), f"found: onset {alarm.onset_s:.2f} s"),
-            (_sample(style.ALARM, (0, (2, 2))), f"found: alarm {alarm.alarm_s:.2f} s"),
+            (style.sample(style.ALARM, width=1.5), f"found: onset {alarm.onset_s:.2f} s"),
+            (style.sample(style.ALARM, (0, (2, 2)), 1.5), f"found: alarm {alarm.alarm_s:.2f} s"),
         ]
     lines = truth.lines() if truth is not None else []
-    true = [(_sample(style.TRUTH, dash), text) for _, text, dash in lines]
+    true = [(style.sample(style.TRUTH, dash, 1.5), text) for _, text, dash in lines]
     if len(found) == len(true):  # columns are filled first: what was found above the truth
         found = [entry for pair in zip(found, true, strict=True) for entry in pair]
     else:
         found += true
     figure.legend(*zip(*found, strict=True), loc="outside lower center", ncols=3)
-
-
-def _sample(colour: str, dash: tuple[int, tuple[int, ...]]) -> Line2D:
-    """Line for the legend."""
-    return Line2D([], [], color=colour, linewidth=1.5, linestyle=dash)
 
 
 def _near_onset(series: StatisticSeries, alarm: Alarm, truth: TruthMark | None) -> Window:

@@ -3,37 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, NullLocator
 
 from sdr_spoof.records import SignalTrack, State
-from sdr_spoof.report.evidence import Line
 from sdr_spoof.report.figures import style, tracking_bar
 from sdr_spoof.report.figures.case import Case
+from sdr_spoof.report.figures.evidence_panels import evidence_panels
+from sdr_spoof.report.figures.panels import Panel
 from sdr_spoof.report.figures.peaks import draw_peaks, stretches
+from sdr_spoof.report.figures.style import SOLID, Dash
 from sdr_spoof.signals import signal_spec
 
-TEST_COLOURS = (style.INK, "#7b3294", "#00755a", "#8c6d1f", "#a6611a")
-"""Of tests that compare the two signals, in the order of the configuration."""
 SUSPICION = style.VERDICTS["suspect"]
-LEAST_CYCLES = 0.1
-"""An axis of a phase difference reaches so far at least: what is noise must look like it."""
-INNER_CYCLES = 0.25
-"""Up to here the axis of a phase difference far beyond it is linear, then logarithmic."""
-QUIET: dict[str, Any] = {"color": "#009e73", "alpha": 0.13, "linewidth": 0}
-
-
-Dash = tuple[int, tuple[int, ...]]
-Place = Literal["upper center", "outside upper center"]
-SOLID: Dash = (0, ())
-DASHED: Dash = (0, (3, 1))
 DOTTED: Dash = (0, (2, 2))
-Panel = tuple[float, Callable[[Axes, Case], None]]
+Part = tuple[float, Callable[[Axes, Case], None]]
+"""Height of a panel in inches, and what draws it."""
 
 
 def draw_overview(case: Case) -> str:
@@ -59,124 +46,17 @@ def draw_overview(case: Case) -> str:
     return style.render(draw, 10.0, sum(heights) + 0.9)
 
 
-def draw_quiet(case: Case) -> str | None:
-    """A satellite without an alarm: what was tested, against its thresholds.
-
-    None where nothing of that has been, as in a recording that was broken off early.
-    """
-    panels = [p for p in _panels(case) if p[1] not in (tracking_bar.draw, _cn0, _noise)]
-    if not panels:
-        return None
-    height = sum(h for h, _ in panels) + 0.9
-
-    def draw(figure: Figure) -> None:
-        places = {
-            **{"left": 0.085, "right": 0.992, "hspace": 0.32},
-            **{"bottom": 0.48 / height, "top": 1 - 0.58 / height},
-        }
-        axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False, gridspec_kw=places)[:, 0]
-        for one, (_, fill) in zip(axes, panels, strict=True):
-            fill(one, case)
-            one.yaxis.set_label_coords(-0.055, 0.5)
-        axes[-1].set_xlim(0, case.log.duration_s)
-        axes[-1].set_xlabel("Time (s)")
-        _legend(figure, case, "upper center")
-
-    return style.render(draw, 10.0, height, placed=True)
-
-
-def _panels(case: Case) -> list[Panel]:
-    found: list[Panel] = [(0.35 + 0.2 * len(case.tracks), tracking_bar.draw)]
-    if case.evidence.difference.times_s:
-        found.append((1.45, _difference))
-    if case.evidence.consistency:
-        found.append((1.35, _consistency))
-    for name, title in (("delta_metric", "Delta"), ("ratio_metric", "Ratio")):
-        if any(of == name for of, _ in case.evidence.quality):
-            found.append((0.85, _quality_panel(name, title)))
+def _panels(case: Case) -> list[Part]:
+    found: list[Part] = [(0.35 + 0.2 * len(case.tracks), tracking_bar.draw)]
+    for panel in evidence_panels(case.evidence, case.onset_s):
+        found.append((panel.look.height_in, _whole(panel)))
     return [*found, (1.1, _cn0), (0.75, _noise)]
 
 
-def _difference(axes: Axes, case: Case) -> None:
-    time_s, value = case.evidence.difference.joined()
-    before = value[(time_s < case.onset_s) & np.isfinite(value)]
-    level = float(np.median(before)) if before.size else 0.0
-    axes.plot(*style.thinned(time_s, value - level), color=style.INK, linewidth=1.0)
-    axes.set_ylabel("Phase difference\n(cycles)")
-    size = np.abs(value[np.isfinite(value)] - level)
-    if size.max(initial=0.0) < LEAST_CYCLES:
-        axes.set_ylim(-LEAST_CYCLES, LEAST_CYCLES)
-    elif size.max() > 8 * INNER_CYCLES:  # the first disturbance must be seen too
-        axes.set_yscale("symlog", linthresh=INNER_CYCLES, linscale=0.8)
-        ticks = [t for t in (INNER_CYCLES, 1, 10, 100, 1000) if t < 1.2 * size.max()]
-        low, high = np.nanmin(value - level), np.nanmax(value - level)
-        signed = [-t for t in reversed(ticks) if -t > 1.2 * low]
-        axes.set_yticks([*signed, 0, *(t for t in ticks if t < 1.2 * high)])
-        axes.yaxis.set_minor_locator(NullLocator())
-        axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
-        rises = bool(np.nanmean(value - level) > 0.0)  # to the upper right: the note goes below
-        axes.text(
-            0.995,
-            0.04 if rises else 0.96,
-            f"logarithmic beyond ±{INNER_CYCLES:g}",
-            transform=axes.transAxes,
-            fontsize=8,
-            color=style.MUTED,
-            ha="right",
-            va="bottom" if rises else "top",
-        )
-
-
-def _consistency(axes: Axes, case: Case) -> None:
-    axes.axhspan(0, 1, **QUIET)
-    axes.axhline(1, color="#00755a", linewidth=1.0, linestyle=(0, (4, 2)))
-    peak, compared = 1.0, 0
-    for line in case.evidence.consistency.values():
-        if line.signal is None:
-            colour, dash = TEST_COLOURS[compared % len(TEST_COLOURS)], SOLID
-            compared += 1
-        else:
-            colour, dash = style.colour(line.signal), DASHED
-        time_s, value = style.thinned(*line.joined())
-        axes.plot(time_s, value, color=colour, linestyle=dash, linewidth=1.2, label=_name(line))
-        peak = max(peak, float(np.nanmax(value, initial=0.0)))
-    axes.set_yscale("symlog", linthresh=1.0, linscale=0.7)
-    top = max(1.6 * peak, 2.0)
-    axes.set_ylim(0, top)
-    axes.set_yticks([0, *(t for t in (1, 10, 100, 1000) if t < top)])
-    axes.yaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
-    axes.set_ylabel("|Test| /\nthreshold")
-    axes.legend(
-        loc="lower left",
-        bbox_to_anchor=(0.0, 0.98),
-        borderaxespad=0.0,
-        fontsize=8,
-        ncols=max(compared + len(case.tracks), 1),
-        handlelength=1.6,
-        columnspacing=1.4,
-    )
-
-
-def _name(line: Line) -> str:
-    """A test as the configuration names it, and its signal."""
-    of = f" {signal_spec(line.signal).composite}" if line.signal else ""
-    return line.label.replace("_", " ") + of
-
-
-def _quality_panel(name: str, title: str) -> Callable[[Axes, Case], None]:
-    def draw(axes: Axes, case: Case) -> None:
-        axes.axhspan(-1, 1, **QUIET)
-        for sign in (-1, 1):
-            axes.axhline(sign, color="#00755a", linewidth=1.0, linestyle=(0, (4, 2)))
-        peak = 1.0
-        for (of, signal), line in case.evidence.quality.items():
-            if of == name and signal is not None:
-                time_s, value = style.thinned(*line.joined())
-                axes.plot(time_s, value, color=style.colour(signal), linewidth=1.1)
-                peak = max(peak, float(np.nanmax(np.abs(value), initial=0.0)))
-        axes.set_ylim(-1.25 * peak, 1.25 * peak)
-        axes.set_ylabel(f"{title} /\nbound")
+def _whole(panel: Panel) -> Callable[[Axes, Case], None]:
+    def draw(axes: Axes, _: Case) -> None:
+        panel.look.dress(axes)
+        panel.fill(axes)
 
     return draw
 
@@ -216,31 +96,26 @@ def _marks(axes: Axes, case: Case) -> None:
         axes.axvline(time_s, color=style.TRUTH, linewidth=1.1, linestyle=dash)
 
 
-def _legend(figure: Figure | SubFigure, case: Case, place: Place = "outside upper center") -> None:
+def _legend(figure: SubFigure, case: Case) -> None:
     entries = [
-        (_sample(style.colour(t.signal)), signal_spec(t.signal).composite) for t in case.tracks
+        (style.sample(style.colour(t.signal), SOLID, 1.8), signal_spec(t.signal).composite)
+        for t in case.tracks
     ]
-    if case.satellite.alarms:
-        entries += [
-            (_sample(case.colour), f"found: onset {case.onset_s:.2f} s"),
-            (_sample(case.colour, DOTTED), f"found: alarm {case.alarm_s:.2f} s"),
-        ]
+    entries += [
+        (style.sample(case.colour, SOLID, 1.8), f"found: onset {case.onset_s:.2f} s"),
+        (style.sample(case.colour, DOTTED, 1.8), f"found: alarm {case.alarm_s:.2f} s"),
+    ]
     if case.suspicion_s is not None:
-        entries.append((_sample(SUSPICION, DOTTED), f"first suspicion {case.suspicion_s:.2f} s"))
+        text = f"first suspicion {case.suspicion_s:.2f} s"
+        entries.append((style.sample(SUSPICION, DOTTED, 1.8), text))
     for _, text, dash in case.truth.lines() if case.truth is not None else ():
-        entries.append((_sample(style.TRUTH, dash), text))
-    handles, names = zip(*entries, strict=True)
+        entries.append((style.sample(style.TRUTH, dash, 1.8), text))
     figure.legend(
-        handles,
-        names,
-        loc=place,
+        *zip(*entries, strict=True),
+        loc="outside upper center",
         ncols=5 if len(entries) <= 5 else 4,
         handlelength=2.4,
     )
-
-
-def _sample(colour: str, dash: Dash = SOLID) -> Line2D:
-    return Line2D([], [], color=colour, linewidth=1.8, linestyle=dash)
 
 
 def _peaks(figure: SubFigure, case: Case, bands: int) -> None:

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 SEMI_MAJOR_M, FLATTENING = 6_378_137.0, 1 / 298.257223563
 """WGS-84."""
+BESIDE = {"left": 0.068, "right": 0.992, "bottom": 0.095, "top": 0.87, "wspace": 0.16}
+BELOW = {"left": 0.075, "right": 0.95, "bottom": 0.07, "top": 0.985, "hspace": 0.32}
+"""Where panels stand beside and below each other."""
 
 
 def local_m(route: Route) -> NDArray[np.float64]:
@@ -44,7 +47,7 @@ def draw_track(route: Route) -> str:
     """Map and scatter side by side; of a moving track about the mean of eleven fixes."""
 
     def draw(figure: Figure) -> None:
-        track, scatter = figure.subplots(1, 2)
+        track, scatter = figure.subplots(1, 2, gridspec_kw=BESIDE)
         local = local_m(route)
         track.plot(local[:, 0], local[:, 1], color=style.GRID, zorder=1)
         _dots(track, route, local[:, 0], local[:, 1])
@@ -59,9 +62,9 @@ def draw_track(route: Route) -> str:
         for alarm in Alarm:
             track.plot([], [], "o", color=ALARM_COLOURS[alarm], label=LABELS[alarm])
         track.plot([], [], "x", color=style.INK, label="not to be trusted")
-        track.legend(loc="best")
+        figure.legend(loc="upper right", ncols=len(Alarm) + 1)
 
-    return style.render(draw, 10, 4.8)
+    return style.render(draw, 10, 4.8, placed=True)
 
 
 def _dots(axes: Axes, route: Route, x: NDArray[np.float64], y: NDArray[np.float64]) -> None:
@@ -102,7 +105,7 @@ def draw_geometry(route: Route) -> str:
     """Height, DOP, satellites used, and residuals over time."""
 
     def draw(figure: Figure) -> None:
-        height, dop, residual = figure.subplots(3, 1, sharex=True)
+        height, dop, residual = figure.subplots(3, 1, sharex=True, gridspec_kw=BELOW)
         time = route.sample_time_s
         _dots(height, route, time, local_m(route)[:, 2])
         height.set_ylabel("Up (m)")
@@ -121,7 +124,7 @@ def draw_geometry(route: Route) -> str:
         _residuals(residual, route)
         residual.set_xlabel("Time (s)")
 
-    return style.render(draw, 10, 6.4)
+    return style.render(draw, 10, 6.4, placed=True)
 
 
 def _residuals(axes: Axes, route: Route) -> None:

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
     from .looks import Look
 
-COLOURS = (style.ALARM, "#00694f")
+ALL, DRIFT = "all satellites", "expected of the INS's drift"
+"""Names of lines; others are fixes without some satellites."""
 
 
 def draw_places(
@@ -42,7 +43,9 @@ def draw_places(
         draw_looks(axes, looks)
         level = figure.add_subplot(grid[0, 1])
         height = figure.add_subplot(grid[1, 1], sharex=level)
-        for colour, (name, offset) in zip(COLOURS, offsets_m.items(), strict=False):
+        colours = {ALL: "#0072b2" if alarm_s is None else style.ALARM, DRIFT: style.INK}
+        for name, offset in offsets_m.items():
+            colour = colours.get(name, "#00694f")
             level.plot(time_s, np.hypot(*offset[:, :2].T), color=colour, label=name)
             height.plot(time_s, offset[:, 2], color=colour)
         if alarm_s is not None:

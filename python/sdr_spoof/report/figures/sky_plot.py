@@ -24,7 +24,7 @@ def draw_sky(route: Route) -> str:
     """
 
     def draw(figure: Figure) -> None:
-        axes: PolarAxes = figure.add_subplot(projection="polar")  # type: ignore[assignment]
+        axes: PolarAxes = figure.add_axes(PLACE, projection="polar")  # type: ignore[assignment]
         axes.set_theta_zero_location("N")
         axes.set_theta_direction(-1)
         axes.set_ylim(0, 90)
@@ -39,9 +39,12 @@ def draw_sky(route: Route) -> str:
         axes.plot([], [], "o", color=style.MUTED, fillstyle="none", label="not used at the end")
         axes.legend(loc="lower left", bbox_to_anchor=(1.02, 0.0))
 
-    return style.render(draw, 6.6, 4.8)
+    return style.render(draw, WIDTH_IN, HEIGHT_IN, placed=True)
 
 
+WIDTH_IN, HEIGHT_IN = 6.6, 4.8
+PLACE = (0.06, 0.065, 0.87 * HEIGHT_IN / WIDTH_IN, 0.87)
+"""A square."""
 LABELS = {
     Alarm.NONE: "no alarm",
     Alarm.SUSPECT: "suspect",

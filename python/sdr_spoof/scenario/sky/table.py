@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from datetime import datetime
 from typing import TYPE_CHECKING, Any, Literal, Self
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 from pydantic import BaseModel, Field, field_validator, model_validator
 
 from sdr_spoof.nav.instants import instant
+from sdr_spoof.nav.integrity import Integrity
 from sdr_spoof.nav.time import GnssTime
 from sdr_spoof.scenario.base import FROZEN
 from sdr_spoof.signals import components, signal_spec
@@ -35,6 +37,27 @@ class SatelliteOverride(BaseModel):
     signals: tuple[str, ...] | None = Field(None, description="its signals")
     on_air: bool = Field(True, description="false: it is left out")
     healthy: bool = Field(True, description="false: it sends as ever, and that it is unhealthy")
+    udrei: int | None = Field(
+        None, ge=0, le=15, description="UDREI that geostationary BDS satellites tell of it (D2)"
+    )
+    rurai: int | None = Field(None, ge=0, le=15, description="likewise, RURAI")
+    correction_m: float | None = Field(
+        None, ge=-409.5, le=409.5, description="likewise, equivalent clock correction"
+    )
+
+    @property
+    def judged(self) -> bool:
+        """Whether geostationary satellites tell of it."""
+        return (self.udrei, self.rurai, self.correction_m) != (None, None, None)
+
+    @model_validator(mode="after")
+    def _of_bds(self) -> Self:
+        if self.judged and self.system != "C":
+            raise ValueError(
+                f"udrei, rurai, correction_m: only BDS satellites are judged in D2, not "
+                f"{self.system}{self.prn:02d}; leave them out"
+            )
+        return self
 
 
 class SkyTable(BaseModel):
@@ -73,6 +96,11 @@ class SkyTable(BaseModel):
         "klobuchar",
         description="delay of codes, advance of carriers: none; klobuchar (for each system in the "
         "form of its own message); bdgim",
+    )
+    ionosphere_grid: bool = Field(
+        False,
+        description="geostationary BDS satellites send the grid of the ionosphere (D2), as it is "
+        "at the start",
     )
     klobuchar_alpha: tuple[float, float, float, float] | None = Field(
         None, description="instead of those of the navigation file"
@@ -132,6 +160,20 @@ class SkyTable(BaseModel):
         """What differs for a satellite."""
         found = (s for s in self.satellite if (s.system, s.prn) == (system, prn))
         return next(found, SatelliteOverride(prn=prn, system=system))
+
+    @property
+    def integrity(self) -> tuple[Integrity, ...]:
+        """How geostationary BDS satellites judge those of which something is said."""
+        return tuple(
+            Integrity(
+                s.prn,
+                udrei=s.udrei or 0,
+                rurai=s.rurai or 0,
+                correction_m=math.nan if s.correction_m is None else s.correction_m,
+            )
+            for s in self.satellite
+            if s.judged
+        )
 
     def trajectory(self, duration_s: float, *, reference: bool = False) -> Trajectory:
         """Motion of the antenna that is recorded, or of an array's reference antenna."""

@@ -145,6 +145,8 @@ class Track:
             klobuchar=propagation.klobuchar(system),
             bdgim=propagation.bdgim,
             utc=next(utc, None),
+            integrity=self.sky.table.integrity,
+            grid=self.sky.grid,
         )
 
     def _spline(self, carrier_hz: float) -> _core.Spline:

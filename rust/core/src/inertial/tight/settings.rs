@@ -2,6 +2,8 @@
 
 use nalgebra::Vector3;
 
+use super::epoch::Epoch;
+
 /// Noise of an IMU as the filter takes it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImuNoise {
@@ -106,6 +108,13 @@ pub struct Testing {
     pub most_excluded: usize,
     /// Satellites that the receiver's own detectors call spoofed are left out.
     pub heed_receiver: bool,
+}
+
+impl Testing {
+    /// Whether the receiver calls a satellite spoofed, and that counts.
+    pub fn flags(&self, epoch: &Epoch<'_>, satellite: usize) -> bool {
+        self.heed_receiver && epoch.spoofed[satellite]
+    }
 }
 
 /// All of them.
