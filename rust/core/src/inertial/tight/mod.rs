@@ -27,6 +27,7 @@ pub mod shadow;
 pub mod smooth;
 pub mod statistics;
 pub mod step;
+pub mod subsets;
 pub mod supervisor;
 pub mod tape;
 pub mod windows;

@@ -145,7 +145,7 @@ impl Navigator {
         {
             *value -= x;
         }
-        self.filter.x.fill(0.0);
+        self.filter.taken_off();
         found
     }
 

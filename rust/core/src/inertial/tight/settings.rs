@@ -140,4 +140,6 @@ pub struct Settings {
     pub bridge: f64,
     /// Whether every epoch is also estimated from all that was measured before and after it.
     pub smooth: bool,
+    /// Whether a filter without each satellite runs beside the whole one.
+    pub subsets: bool,
 }

@@ -139,7 +139,7 @@ impl Navigator {
         let (row, value, variance) = self.observe(kind, k, system, dev)?;
         let robust = self.settings.testing.robust;
         Some(match used {
-            true => self.filter.update(&row, value, variance, robust),
+            true => self.filter.update_by(k, &row, value, variance, robust),
             false => self.filter.look(&row, value, variance),
         })
     }

@@ -62,6 +62,7 @@ pub fn settings(mode: Mode) -> Settings {
         outages: Vec::new(),
         bridge: 0.5,
         smooth: false,
+        subsets: false,
     }
 }
 
