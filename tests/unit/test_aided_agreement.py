@@ -20,6 +20,7 @@ from sdr_spoof.aiding.imu.simulate import true_states
 from sdr_spoof.aiding.rate_config import RateConfig
 from sdr_spoof.config import Config
 from sdr_spoof.errors import InertialError
+from sdr_spoof.report import aided_words as words
 from sdr_spoof.scenario.sky.trajectory import OnPlane, Trajectory
 
 RATE = RateConfig(carrier_sigma_m=0.005)
@@ -86,6 +87,7 @@ def test_who_is_named_is_spoofed_all_the_same():
     told = doubted(nobody, "the arm is wrong")
     assert told.verdict == "suspect" and told.doubt == "the arm is wrong"
     assert told.reason.endswith("; but the arm is wrong, and judge again")
+    assert words.action(told).startswith("mend what does not fit, and judge again")
     clean = dataclasses.replace(named, verdict="clean", satellites=())
     assert doubted(clean, "why").verdict == "clean"
 
