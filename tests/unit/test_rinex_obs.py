@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import georinex
 import numpy as np
 import pytest
 from observed_tracks import Moving, navigation, observed_log
 
 from sdr_spoof.errors import OutputError
-from sdr_spoof.observables import ObservablesConfig, observe
+from sdr_spoof.observables import ClockPiece, ObservablesConfig, ReceiverClock, observe
 from sdr_spoof.records import SatelliteVerdict, Verdict
-from sdr_spoof.sinks.rinex_obs import write_rinex_obs
+from sdr_spoof.sinks.rinex_obs import UNSETTLED_M, write_rinex_obs
+from sdr_spoof.sources.observed import rinex
+from sdr_spoof.studies.gaps import BEGIN, SKIES, Case, received
 
 SKY = (
     Moving(27, 0.0781234, signals=("B1I", "B1CP", "B1CD")),
@@ -33,12 +37,17 @@ def written(seen, tmp_path_factory):
     return path
 
 
+def settled_m(seen):
+    """Pseudoranges that a file holds."""
+    return np.where(seen.unsettled_m > UNSETTLED_M, np.nan, seen.pseudorange_m)
+
+
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("system", ["C", "G"])
 def test_georinex_reads_every_value_back(seen, written, system):
     read = georinex.load(written, use=system)
     quantities = {
-        "C": seen.pseudorange_m,
+        "C": settled_m(seen),
         "L": seen.carrier_phase_cycles,
         "D": seen.doppler_hz,
         "S": seen.cn0_dbhz,
@@ -110,3 +119,46 @@ def test_the_same_observations_give_the_same_bytes(seen, written, tmp_path):
     assert path.read_bytes() == written.read_bytes()
     with pytest.raises(OutputError, match="--force"):
         write_rinex_obs(path, seen)
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_ranges_after_a_lock_are_blank_and_the_phase_says_why(tmp_path):
+    """As georinex reads it, and as we do: no range before the code loop has settled after samples
+    were missing and lock was lost; the phase is there, and its indicator says it began anew."""
+    case = Case(BEGIN, 16.0, ((2.0, 0.0073),), 45.0, 1)
+    seen = received(SKIES["B1I, D1"], "messages", case)[1].observations
+    settling = np.isfinite(seen.pseudorange_m) & (seen.unsettled_m > UNSETTLED_M)
+    assert settling.sum() > 20 and seen.sample_time_s[settling.any(axis=1)].min() > 2.0
+    path = tmp_path / "gap.rnx"
+    write_rinex_obs(path, seen)
+    ours = rinex.read(path).observations
+    assert ours.signals == seen.signals and ours.epochs == seen.epochs
+    theirs = georinex.load(path, useindicators=True)
+    by_georinex = (theirs[x].values for x in ("C2I", "L2I", "L2Illi"))
+    for ranges, phases, lost in (
+        by_georinex,
+        (ours.pseudorange_m, ours.carrier_phase_cycles, ours.lock_lost),
+    ):
+        assert np.array_equal(np.isfinite(ranges), np.isfinite(settled_m(seen)))
+        first = np.isfinite(phases).argmax(axis=0)
+        assert (lost[first, np.arange(len(seen.signals))].astype(int) % 2 == 1).all()
+        assert np.isfinite(phases[settling]).mean() > 0.9
+    assert "C is blank where it may be off by over 1 m" in path.read_text(encoding="ascii")
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_clock_set_anew_is_a_power_failure(seen, tmp_path):
+    """Where samples are missing, nothing holds across: epoch flag 1, all phases begin anew."""
+    first = ClockPiece(0.0, seen.reference)
+    clock = ReceiverClock((first, replace(first, sample_s=12.25)))
+    path = tmp_path / "anew.rnx"
+    write_rinex_obs(path, replace(seen, clock=clock))
+    (row,) = np.flatnonzero([x[31] == "1" for x in _epoch_lines(path)])
+    assert row == np.searchsorted(seen.sample_time_s, 12.25)
+    ours = rinex.read(path).observations
+    assert ours.lock_lost[row, np.isfinite(ours.carrier_phase_cycles[row])].all()
+    assert georinex.load(path, use="C").sizes["time"] == seen.epochs
+
+
+def _epoch_lines(path):
+    return [x for x in path.read_text(encoding="ascii").splitlines() if x.startswith(">")]

@@ -54,6 +54,7 @@ STUDIES = {
         "position.json",
         lambda s: {"duration_s": max(42.0, 60.0 * s), "starts": max(1, round(6 * s))},
     ),
+    "gaps": _Study("gaps.json", lambda s: {"recordings": max(1, round(50 * s))}, threaded=False),
     "speed": _Study("speed.json", lambda s: {"repeats": max(3, round(25 * s))}, threaded=False),
 }
 """Every study, by name."""

@@ -8,16 +8,16 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from ..gaps import gaps_of, sentences, uncounted
-from ..jolts import jolts_of
-from ..jolts import sentences as told_of_jolts
+from ..phase_jumps import phase_jumps_of
+from ..phase_jumps import sentences as told_of_jumps
 from ..signals import satellite_name, signal_spec
 from . import anchors
 from .broadcast import Contents
-from .jolted import Told, undenied
 from .messages import MESSAGES, message_on
 from .missing import missing, out_of_step, outages, overlap, touch
 from .missing import sentences as told_in_words
 from .plausible import objection
+from .possible_gaps import Told, undenied
 from .records import Anchor, Frame, Navigation, SymbolRun
 from .symbols import Stretch, stretches_of, symbols_of
 from .weeks import dated
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from ..gaps import Gap, Span
-    from ..jolts import Jolt
+    from ..phase_jumps import PhaseJump
     from ..records import SignalTrack, TrackLog
     from .missing import Missing
     from .records import Message
@@ -58,7 +58,7 @@ def decode(log: TrackLog, near: GnssTime | None = None) -> Navigation:
     decoded = [d for t in log.signals for d in _decoded(t, uncounted(log, t), near)]
     alive = [s for t in log.signals for s in stretches_of(t, uncounted(log, t))]
     lost = outages([(s.from_s, s.until_s) for s in alive], log.duration_s)
-    navigation, gaps = _navigation(decoded, near, gaps_of(log), lost, jolts_of(log))
+    navigation, gaps = _navigation(decoded, near, gaps_of(log), lost, phase_jumps_of(log))
     found = navigation.anchors
     for _ in range(LENDINGS):
         found = (*found, *_borrowed(log, found, gaps))
@@ -82,7 +82,7 @@ def _navigation(
     near: GnssTime | None,
     seen: Sequence[Gap] = (),
     lost: Sequence[Span] = (),
-    jolts: Sequence[Jolt] = (),
+    jumps: Sequence[PhaseJump] = (),
 ) -> tuple[Navigation, list[Span]]:
     """What frames say, and within which spans samples are missing; ``seen`` by the tracker, or
     perhaps missing as all was ``lost`` or the carriers jumped."""
@@ -93,10 +93,10 @@ def _navigation(
     unexplained = [g for g in seen if not any(overlap(g.span, t) for t in told)]
     for spans in ([g.span for g in seen], out_of_step(_ends(decoded)), lost):
         told += [span for span in spans if not any(touch(span, other) for other in told)]
-    jolts = [j for j in jolts if not any(touch(j.span, other) for other in told)]
-    jolts = undenied(jolts, signals, [Told(d.frames, d.reach) for d in decoded])
-    told += [j.span for j in jolts]
-    notes = [*sentences(unexplained), *told_in_words(gaps), *told_of_jolts(jolts), *notes]
+    jumps = [j for j in jumps if not any(touch(j.span, other) for other in told)]
+    jumps = undenied(jumps, signals, [Told(d.frames, d.reach) for d in decoded])
+    told += [j.span for j in jumps]
+    notes = [*sentences(unexplained), *told_in_words(gaps), *told_of_jumps(jumps), *notes]
     notes += _disagreements(decoded, gaps)
     found = []
     for d in decoded:

@@ -139,13 +139,16 @@ def unconfirmed(fixes: Fixes, place_m: NDArray[np.float64], within_m: float) -> 
     """Fixes by a given time and given orbits, which no message confirmed, and a sentence on them.
 
     Orbits turned as a whole about the Earth's axis fit any sky as well: the place found turns with
-    them, time and residuals stay. Only the given place speaks against it, as far as it is known.
+    them, time and residuals stay. Only the given place speaks against it, as far as it is known:
+    what is farther off is suspect.
     """
     status = np.where(fixes.status == Status.FIX, Status.UNCHECKED, fixes.status).astype(np.uint8)
-    away_m = float(np.linalg.norm(np.median(fixes.position_m[fixes.fixed], axis=0) - place_m))
+    away_m = np.linalg.norm(fixes.position_m - place_m, axis=1)
+    status[fixes.fixed & (away_m > within_m)] = Status.SUSPECT
+    middle_m = float(np.linalg.norm(np.median(fixes.position_m[fixes.fixed], axis=0) - place_m))
     return replace(fixes, status=status), (
         f"no message confirms time and orbits: were the sky turned about the Earth's axis, all "
-        f"positions would be; they lie {away_m / 1e3:.1f} km from the place given, which may be "
+        f"positions would be; they lie {middle_m / 1e3:.1f} km from the place given, which may be "
         f"{within_m / 1e3:.0f} km off (pvt.place_uncertainty_m)"
     )
 

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sdr_spoof.gaps import gaps_of, joined, uncounted
-from sdr_spoof.jolts import jolts_of
 from sdr_spoof.nav.missing import outages
 from sdr_spoof.nav.symbols import stretches_of
 from sdr_spoof.observables.runs import runs_of
+from sdr_spoof.phase_jumps import phase_jumps_of
 from sdr_spoof.pvt import CodePhase
 from sdr_spoof.signals import LIGHT_M_S
 
@@ -48,7 +48,7 @@ def pieces_of(log: TrackLog) -> list[Span]:
     """Between all instants at which samples may be missing."""
     alive = [s for t in log.signals for s in stretches_of(t, uncounted(log, t))]
     lost = outages([(s.from_s, s.until_s) for s in alive], log.duration_s)
-    gaps = [*(g.span for g in gaps_of(log)), *(j.span for j in jolts_of(log)), *lost]
+    gaps = [*(g.span for g in gaps_of(log)), *(j.span for j in phase_jumps_of(log)), *lost]
     pieces, begin_s = [], 0.0
     for from_s, until_s in joined(gaps):
         pieces.append((begin_s, from_s))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sdr_spoof.fixes import Cause
-from sdr_spoof.nav.ephemeris import CNAV1, Ephemeris
+from sdr_spoof.nav.ephemeris import CNAV1, D1, D2, LNAV, Ephemeris
 from sdr_spoof.nav.store import Selected, Store
 
 if TYPE_CHECKING:
@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 CHOSEN_EVERY_S = 30.0
 """An ephemeris serves so long before it is asked whether there is a better one."""
 CNAV1_SIGNALS = ("B1CP", "B1CD")
-"""Signals whose own message states their group delays."""
+"""Signals whose group delays this message states, and no other; nor it those of other signals."""
+OTHERS = (D1, D2, LNAV)
 
 
 @dataclass(frozen=True)
@@ -69,10 +70,10 @@ def _select(
     store: Store, signal: ObservedSignal, observations: Observations, epoch: int
 ) -> Selected | None:
     time = observations.time(epoch)
-    if signal.signal in CNAV1_SIGNALS:
-        own = store.select(signal.system, signal.prn, time, (CNAV1,))
-        if own is not None and not own.stale:
-            return own
+    own = (CNAV1,) if signal.signal in CNAV1_SIGNALS else OTHERS
+    selected = store.select(signal.system, signal.prn, time, own)
+    if selected is not None and not selected.stale:
+        return selected
     return store.select(signal.system, signal.prn, time)
 
 

@@ -3,6 +3,11 @@
 Source: RINEX, the receiver independent exchange format, version 3.05 (IGS/RTCM-SC104, 2020):
 section 6.5 and tables A2, A3 (header and data records), table A23 (phase alignment). Times are
 GPST. What RINEX has no code for, the subcarrier's pseudorange, stays out.
+
+A pseudorange that is not as good as its strength says, since its code loop settles, is left blank:
+a user of the file has nothing but the strength to weigh it by. Its phase stays, whose
+loss-of-lock indicator says that it began anew. Where the receiver's clock was set anew, samples
+being missing, the flag of the epoch says "power failure" (table A3): nothing holds across.
 """
 
 from __future__ import annotations
@@ -32,6 +37,10 @@ if TYPE_CHECKING:
 LOST, HALF = 1, 2
 """Bits of the loss-of-lock indicator."""
 CODES_A_LINE = 13
+UNSETTLED_M = 1.0
+"""Pseudoranges that may be off by more than this beyond their noise, one sigma, are left blank."""
+GOOD, POWER_FAILURE = 0, 1
+"""Epoch flags."""
 
 
 def write_rinex_obs(
@@ -63,6 +72,11 @@ class _Table:
     def __init__(self, observations: Observations, keep_spoofed: bool) -> None:
         self.seen = observations
         self.left_out = observations.spoofed & (not keep_spoofed)
+        unsettled_m = observations.unsettled_m
+        self.blank = np.zeros(self.left_out.shape, np.bool_)
+        """Pseudoranges that are not written."""
+        if unsettled_m is not None:
+            self.blank = np.nan_to_num(unsettled_m) > UNSETTLED_M
         order = signal_ids()
         self.columns: dict[str, dict[str, int]] = defaultdict(dict)
         """Column of each signal of each satellite."""
@@ -114,8 +128,10 @@ def _header(table: _Table, position_m: NDArray[np.float64] | None, marker: str) 
 
 
 def _comments(table: _Table) -> Iterator[str]:
-    """Satellites that are left out as spoofed, and from when on."""
+    """Satellites that are left out as spoofed, and from when on; and what blanks mean."""
     seen = table.seen
+    if (table.blank & np.isfinite(seen.pseudorange_m)).any():
+        yield _line(f"C is blank where it may be off by over {UNSETTLED_M:g} m", "COMMENT")
     for name, columns in sorted(table.columns.items()):
         gone = table.left_out[:, list(columns.values())].any(axis=1)
         if gone.any():
@@ -147,6 +163,7 @@ def _second(time: GnssTime) -> float:
 def _epochs(table: _Table) -> Iterator[str]:
     seen = table.seen
     present = np.isfinite(seen.cn0_dbhz) & ~table.left_out
+    flags = _flags(seen)
     for epoch in range(seen.epochs):
         rows = [
             name + "".join(_cells(table, epoch, present[epoch], name))
@@ -158,7 +175,7 @@ def _epochs(table: _Table) -> Iterator[str]:
         d, second = seen.time(epoch).calendar(), _second(seen.time(epoch))
         yield (
             f"> {d.year:4d} {d.month:02d} {d.day:02d} {d.hour:02d} {d.minute:02d}{second:11.7f}"
-            f"  0{len(rows):3d}"
+            f"  {flags[epoch]}{len(rows):3d}"
         )
         yield from (row.rstrip() for row in rows)
 
@@ -170,14 +187,23 @@ def _cells(table: _Table, epoch: int, present: NDArray[np.bool_], satellite: str
         if i is None or not present[i]:
             yield " " * 64
         else:
-            yield from _signal_cells(table.seen, epoch, i)
+            yield from _signal_cells(table, epoch, i)
 
 
-def _signal_cells(seen: Observations, epoch: int, i: int) -> Iterator[str]:
+def _flags(seen: Observations) -> NDArray[np.intp]:
+    """Of each epoch (E,): whether the clock was set anew since the one before."""
+    starts = [] if seen.clock is None else [p.sample_s for p in seen.clock.pieces[1:]]
+    piece = np.searchsorted(starts, seen.sample_time_s, side="right")
+    return np.asarray(np.where(np.diff(piece, prepend=piece[:1]) > 0, POWER_FAILURE, GOOD))
+
+
+def _signal_cells(table: _Table, epoch: int, i: int) -> Iterator[str]:
+    seen = table.seen
+    range_m = math.nan if table.blank[epoch, i] else float(seen.pseudorange_m[epoch, i])
     cn0 = float(seen.cn0_dbhz[epoch, i])
     strength = str(min(max(int(cn0 / 6.0), 1), 9))
     flags = LOST * int(seen.lock_lost[epoch, i]) + HALF * int(seen.half_cycle[epoch, i])
-    yield _cell(seen.pseudorange_m[epoch, i], " ", strength)
+    yield _cell(range_m, " ", strength)
     yield _cell(seen.carrier_phase_cycles[epoch, i], str(flags) if flags else " ", strength)
     yield _cell(seen.doppler_hz[epoch, i], " ", strength)
     yield _cell(cn0, " ", " ")

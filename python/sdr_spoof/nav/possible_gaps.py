@@ -1,26 +1,26 @@
-"""Which jolts of the carriers may be gaps: those that no message denies.
+"""Which jumps of the carriers may be gaps: those that no message denies.
 
-A message that goes on over a jolt in step denies that samples are missing there: by two frames
+A message that goes on over a jump in step denies that samples are missing there: by two frames
 between which as much time passes as samples do, or by words of a run that hold on the far side of
-a jolt from its frames. Words that are out of step by whole symbols hold by chance (see
+a jump from its frames. Words that are out of step by whole symbols hold by chance (see
 :mod:`.steps`), so that many must hold, of all satellites together.
 """
 
 from __future__ import annotations
 
-from bisect import bisect_left
+from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..signals import satellite_name
 from .bits import PAGE_BITS
-from .missing import DRIFT, LEAST_S, SATELLITES
+from .missing import DRIFT, HEAD, LEAST_S, SATELLITES
 from .steps import WORD
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    from ..jolts import Jolt
+    from ..phase_jumps import PhaseJump
     from .records import Frame
     from .steps import Reach
 
@@ -41,19 +41,19 @@ class Told:
 
 
 def undenied(
-    jolts: Iterable[Jolt], signals: Iterable[Sequence[Frame]], runs: Sequence[Told]
-) -> list[Jolt]:
-    """Jolts at which samples may be missing, by the frames of each signal and by single runs."""
+    jumps: Iterable[PhaseJump], signals: Iterable[Sequence[Frame]], runs: Sequence[Told]
+) -> list[PhaseJump]:
+    """Those at which samples may be missing, by the frames of each signal and by single runs."""
     signals = tuple(signals)
-    return [j for j in jolts if not _bridged(j, signals) and not _in_step(j, runs)]
+    return [j for j in jumps if not _bridged(j, signals) and not _in_step(j, runs)]
 
 
-def _bridged(jolt: Jolt, signals: Iterable[Sequence[Frame]]) -> bool:
+def _bridged(jump: PhaseJump, signals: Iterable[Sequence[Frame]]) -> bool:
     """Whether frames of two satellites agree across it."""
     agree = set()
     for frames in signals:
-        after = bisect_left(frames, jolt.until_s, key=lambda f: f.time_s)
-        before = bisect_left(frames, jolt.from_s, key=lambda f: f.time_s)
+        after = bisect_left(frames, jump.until_s, key=lambda f: f.time_s)
+        before = bisect_right(frames, jump.from_s, key=_head_until_s)
         if before == 0 or after == len(frames):
             continue
         a, b = frames[before - 1], frames[after]
@@ -64,7 +64,12 @@ def _bridged(jolt: Jolt, signals: Iterable[Sequence[Frame]]) -> bool:
     return len(agree) >= SATELLITES
 
 
-def _in_step(jolt: Jolt, runs: Iterable[Told]) -> bool:
+def _head_until_s(frame: Frame) -> float:
+    """When a frame has told its time: one that begins before a gap may have told it after."""
+    return frame.time_s + HEAD * frame.duration_s
+
+
+def _in_step(jump: PhaseJump, runs: Iterable[Told]) -> bool:
     """Whether enough words hold beyond it."""
     bits: dict[str, int] = {}
     for run in runs:
@@ -72,17 +77,17 @@ def _in_step(jolt: Jolt, runs: Iterable[Told]) -> bool:
             continue
         frame = run.frames[0]
         name = satellite_name(frame.system, frame.prn)
-        words = max((_words(jolt, f, run.reach(f)) for f in run.frames), default=0)
+        words = max((_words(jump, f, run.reach(f)) for f in run.frames), default=0)
         bits[name] = bits.get(name, 0) + words * BITS.get(frame.message, 0)
     several = sum(b > 0 for b in bits.values()) >= SATELLITES
     return several and sum(bits.values()) >= ENOUGH_BITS
 
 
-def _words(jolt: Jolt, frame: Frame, reach: Reach) -> int:
-    """Words in step with a frame, wholly beyond a jolt that lies before or after its start."""
+def _words(jump: PhaseJump, frame: Frame, reach: Reach) -> int:
+    """Words in step with a frame, wholly beyond a jump that lies before or after its start."""
     word_s = frame.duration_s * WORD / PAGE_BITS
-    if frame.time_s >= jolt.until_s:
-        return sum(start_s + word_s <= jolt.from_s for start_s in reach.before_s)
-    if frame.time_s <= jolt.from_s:
-        return sum(end_s - word_s >= jolt.until_s for end_s in reach.after_s)
+    if frame.time_s >= jump.until_s:
+        return sum(start_s + word_s <= jump.from_s for start_s in reach.before_s)
+    if _head_until_s(frame) <= jump.from_s:
+        return sum(end_s - word_s >= jump.until_s for end_s in reach.after_s)
     return 0

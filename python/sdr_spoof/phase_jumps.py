@@ -10,7 +10,7 @@ bounded so that no single signal decides, is summed over all signals: chi-square
 happens.
 
 This alone proves nothing, the receiver's oscillator may have been knocked: words and frames either
-side say whether samples are missing (:mod:`sdr_spoof.nav.missing`).
+side say whether samples are missing (:mod:`sdr_spoof.nav.possible_gaps`).
 """
 
 from __future__ import annotations
@@ -38,6 +38,8 @@ GRID_S = 0.01
 REACH_S, SKIP_S = 0.075, 0.015
 """How far a line reaches from the instant, and what is left out beside that."""
 LEAST_ROWS = 3
+CLEAR_CYCLES = 0.04
+"""Rows with more noise are left out: it would make whole quanta now and then."""
 QUANTUM_CYCLES = 0.5
 """Steps by less than a half of this are seen as they are, signs of data being unknown."""
 AT_ONCE = 1000
@@ -48,12 +50,14 @@ MOST = 30.0
 """No signal counts for more than this, in variances."""
 STANDS_OUT = 9.0
 """Signals with more than this are named, in variances."""
+FOLLOWING_S = 0.75
+"""Three time constants of a code loop of 1 Hz: what is left of 200 m shows in its discriminator."""
 FALSE_ALARM = 1e-12
 """Of one instant; there are 360 000 in an hour."""
 
 
 @dataclass(frozen=True)
-class Jolt:
+class PhaseJump:
     """The phases of several satellites stepped at one instant, somewhere between two."""
 
     from_s: float
@@ -63,12 +67,12 @@ class Jolt:
 
     @property
     def span(self) -> Span:
-        """The two instants."""
-        return self.from_s, self.until_s
+        """From the one until the code loops have followed: codes jump too, by up to 1 m in 1 ms."""
+        return self.from_s, self.until_s + FOLLOWING_S
 
 
-def jolts_of(log: TrackLog) -> list[Jolt]:
-    """Jolts of a recording, in order; those nearer than their own length are one."""
+def phase_jumps_of(log: TrackLog) -> list[PhaseJump]:
+    """Phase jumps of a recording, in order; those nearer than their own length are one."""
     count = int(log.duration_s / GRID_S) + 2
     total, signals = np.zeros(count, np.float32), np.zeros(count, np.intp)
     told = np.zeros(count, np.intp)
@@ -84,7 +88,7 @@ def jolts_of(log: TrackLog) -> list[Jolt]:
     rows = np.flatnonzero((total > most[signals]) & (told >= FEWEST + 1))
     groups = np.split(rows, np.flatnonzero(np.diff(rows) * GRID_S > REACH_S) + 1)
     return [
-        Jolt(
+        PhaseJump(
             max(float(g[0]) * GRID_S - REACH_S, 0.0),
             float(g[-1]) * GRID_S + REACH_S,
             int(told[g].max()),
@@ -100,7 +104,8 @@ def _satellite(track: SignalTrack) -> tuple[str, int]:
 
 def _steps(track: SignalTrack, count: int) -> Iterator[tuple[int, NDArray[np.float32]]]:
     """By unbroken piece: first place on the grid, and the step there in variances, bounded."""
-    kept = np.flatnonzero(track.state >= State.TRACKING)
+    clear = _variance(track.cn0_dbhz, track.integration_s) < CLEAR_CYCLES**2
+    kept = np.flatnonzero((track.state >= State.TRACKING) & clear)
     time_s, interval_s = track.time_s[kept], track.integration_s[kept]
     phase_cycles = _without_slips(time_s, track.carrier_phase_cycles[kept], track.doppler_hz[kept])
     cn0_dbhz = track.cn0_dbhz[kept]
@@ -175,10 +180,10 @@ def _variance(
     return np.asarray((1.0 + 0.5 / snr) / (8.0 * np.pi**2 * snr))
 
 
-def sentences(jolts: Iterable[Jolt]) -> list[str]:
+def sentences(jumps: Iterable[PhaseJump]) -> list[str]:
     """What is to be said of them."""
     return [
         f"the carriers of {j.satellites} satellites jumped at once between {j.from_s:.2f} and "
         f"{j.until_s:.2f} s: samples may be missing there; no time holds across"
-        for j in jolts
+        for j in jumps
     ]
