@@ -203,27 +203,47 @@ def _doubt(
     until_s = math.inf if alarm_s is None else alarm_s
     gap_s = agreement.last_gap_s(log, until_s)
     if gap_s is not None:
-        row = int(np.searchsorted(solution.time_s, gap_s + log.interval_s))
-        if row < solution.time_s.size and solution.valid[row] and solution.time_s[row] < until_s:
-            begin, known = free.state_of(log, solution, row), free.aligned(config, solution, row)
-            why = agreement.doubt(log, measurements, begin, until_s, known)
-            if why:
-                return f"after the gap of the IMU at {gap_s:.1f} s {why}"
-        if alarm_s is not None and alarm_s < gap_s + config.tight.settle_s:
-            return (
-                f"the alarm at {alarm_s:.1f} s comes soon after a gap of the IMU at {gap_s:.1f} s: "
-                "has its clock jumped there? Split the file there"
-            )
+        why = _doubt_after_gap(log, measurements, solution, gap_s, until_s, config)
+        if why:
+            return why
+    return agreement.doubt(
+        log, measurements, _first(log, start), until_s, _aligned_at_start(config)
+    )
+
+
+def _doubt_after_gap(
+    log: ImuLog,
+    measurements: Measurements,
+    solution: TightSolution,
+    gap_s: float,
+    until_s: float,
+    config: Config,
+) -> str:
+    row = int(np.searchsorted(solution.time_s, gap_s + log.interval_s))
+    if row < solution.time_s.size and solution.valid[row] and solution.time_s[row] < until_s:
+        begin, known = free.state_of(log, solution, row), free.aligned(config, solution, row)
+        why = agreement.doubt(log, measurements, begin, until_s, known)
+        if why:
+            return f"after the gap of the IMU at {gap_s:.1f} s {why}"
+    if until_s < gap_s + config.tight.settle_s:
+        return (
+            f"the alarm at {until_s:.1f} s comes soon after a gap of the IMU at {gap_s:.1f} s: has "
+            "its clock jumped there? Split the file there"
+        )
+    return ""
+
+
+def _aligned_at_start(config: Config) -> Config:
+    """What the filter believes of its start, where ``[rate]`` says nothing."""
     tight, own = config.tight, config.rate.model_fields_set
-    known_rate = {
+    known = {
         "align_position_m": tight.start_position_m,
         "align_velocity_m_s": tight.start_velocity_m_s,
         "align_level_deg": tight.start_level_deg,
         "align_heading_deg": tight.start_heading_deg,
     }
-    rate = config.rate.model_copy(update={k: v for k, v in known_rate.items() if k not in own})
-    config = config.model_copy(update={"rate": rate})
-    return agreement.doubt(log, measurements, _first(log, start), until_s, config)
+    rate = config.rate.model_copy(update={k: v for k, v in known.items() if k not in own})
+    return config.model_copy(update={"rate": rate})
 
 
 def _first(log: ImuLog, start: Start) -> InertialStates:
