@@ -113,7 +113,9 @@ class TightConfig(BaseModel):
         40.0, gt=0.0, description="All agree so long after an alarm: it was a false one."
     )
     pardon_s: float = Field(
-        600.0, gt=0.0, description="So long after an alarm it may turn out to be a false one."
+        300.0,
+        gt=0.0,
+        description="So long after an alarm to which nothing was added all are used again.",
     )
     dwell_after_step_s: float = Field(
         20.0, gt=0.0, description="All agree so long after they stepped back: they are used again."

@@ -67,8 +67,8 @@ pub enum Action {
     Exclude(u64),
     /// Use all satellites again.
     Readmit,
-    /// The same; the clock is to be found anew.
-    ReadmitWithClock,
+    /// The same; the clock is to be found anew, and the copies are no longer compared with.
+    ReadmitAnew,
     /// Go on without GNSS: nobody is exonerated.
     Coast,
 }

@@ -237,7 +237,7 @@ impl Supervisor {
                 self.copies.taken_back(&chosen);
                 self.hearing.clear();
             }
-            Action::ReadmitWithClock => {
+            Action::ReadmitAnew => {
                 nav.lose_clock();
                 self.copies.renew_all(&nav.filter.navigation(), time);
                 self.monitors.rebase();

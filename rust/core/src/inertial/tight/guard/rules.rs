@@ -17,7 +17,7 @@ pub struct Rules {
     pub dwell_after_step: f64,
     /// How long all must agree for the alarm to have been false.
     pub dwell: f64,
-    /// An alarm may turn out to be false so long.
+    /// An alarm lapses after so long if nothing was added to it.
     pub pardon: f64,
     /// It takes so long for an alarm to be confirmed.
     pub doubt: f64,
@@ -45,7 +45,7 @@ impl Default for Rules {
             after_alarm: 10.0,
             dwell_after_step: 20.0,
             dwell: 40.0,
-            pardon: 600.0,
+            pardon: 300.0,
             doubt: 150.0,
             dwell_satellite: 20.0,
             inside: 3.33,

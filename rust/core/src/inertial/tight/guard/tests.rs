@@ -90,6 +90,18 @@ fn nothing_is_pardoned_while_what_came_since_is_unusual() {
 }
 
 #[test]
+fn an_alarm_lapses_though_the_ins_is_as_far_off_as_it_was() {
+    let off = |time| Evidence {
+        agreement: Some(agreement(4.0, 0.0)),
+        ..quiet(time)
+    };
+    let mut guard = alarmed();
+    until(&mut guard, 101.0, 100, off).unwrap();
+    let found = until(&mut guard, 162.0, 400, off);
+    assert_eq!(found, Some((400.0, Action::ReadmitAnew)));
+}
+
+#[test]
 fn a_clock_that_is_off_by_little_is_found_anew_in_the_end() {
     let clock = |time| Evidence {
         agreement: Some(Agreement {
@@ -101,7 +113,7 @@ fn a_clock_that_is_off_by_little_is_found_anew_in_the_end() {
     let mut guard = alarmed();
     until(&mut guard, 101.0, 100, clock).unwrap();
     let found = until(&mut guard, 162.0, 300, clock);
-    assert_eq!(found, Some((250.0, Action::ReadmitWithClock)));
+    assert_eq!(found, Some((250.0, Action::ReadmitAnew)));
 }
 
 #[test]
@@ -154,6 +166,7 @@ fn an_alarm_of_the_rest_leaves_all_out() {
 #[test]
 fn coasting_ends_with_a_step_back_only() {
     let far = |time| Evidence {
+        confirmed: true,
         agreement: Some(agreement(30.0, 0.0)),
         ..quiet(time)
     };
@@ -162,6 +175,7 @@ fn coasting_ends_with_a_step_back_only() {
     assert_eq!((time, action), (161.0, Action::Coast));
     assert_eq!(until(&mut guard, 162.0, 300, far), None);
     let back = |time| Evidence {
+        confirmed: true,
         jump: if time < 464.0 { 30.0 } else { 0.0 },
         ..quiet(time)
     };
@@ -189,5 +203,5 @@ fn a_clock_alone_is_found_anew() {
         ..quiet(time)
     };
     let (_, action) = until(&mut guard, 101.0, 60, clock).unwrap();
-    assert_eq!(action, Action::ReadmitWithClock);
+    assert_eq!(action, Action::ReadmitAnew);
 }

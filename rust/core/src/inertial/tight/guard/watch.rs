@@ -5,7 +5,9 @@ use super::{Action, Evidence, Rules};
 /// Since when what has lasted, s.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Watch {
-    /// All agree with one another and with the INS, but perhaps for the clock.
+    /// All agree with one another.
+    mutual: Option<f64>,
+    /// They do so with the INS too, but perhaps for the clock.
     near: Option<f64>,
     /// So they do, and the clock clearly does not.
     clock_off: Option<f64>,
@@ -21,10 +23,15 @@ impl Watch {
     /// Takes an epoch after the alarm at `alarmed`.
     pub fn push(&mut self, seen: &Evidence, r: &Rules, alarmed: f64) {
         let Some(said) = seen.agreement else {
-            (self.near, self.clock_off, self.stepped) = (None, None, None);
+            let jumped = self.jumped;
+            *self = Watch {
+                jumped,
+                ..Watch::default()
+            };
             return;
         };
         let mutual = said.mutual < r.inside;
+        lasts(&mut self.mutual, mutual, seen.time);
         let position = mutual && said.position < r.near;
         self.clock = mutual && said.inertial < r.near;
         lasts(&mut self.near, position || self.clock, seen.time);
@@ -45,17 +52,16 @@ impl Watch {
             return Some(Action::Readmit);
         }
         let age = seen.time - alarmed;
-        if age > r.pardon {
-            return None;
-        }
         // The uncertainty of the INS grows over slow drags: agreement alone does not acquit.
         let doubtful = seen.acquits && !seen.confirmed && age >= r.doubt;
         let acquitted = doubtful && over(self.near, r.dwell);
         if acquitted && self.clock {
             return Some(Action::Readmit);
         }
-        let clock_off = acquitted || over(self.clock_off, r.dwell_satellite);
-        clock_off.then_some(Action::ReadmitWithClock)
+        // Whether it is the INS that is off, as it was at the alarm: nothing has been added since.
+        let lapsed = doubtful && age >= r.pardon && over(self.mutual, r.dwell);
+        let clock_off = age <= r.pardon && over(self.clock_off, r.dwell_satellite);
+        (acquitted || lapsed || clock_off).then_some(Action::ReadmitAnew)
     }
 }
 
