@@ -178,7 +178,9 @@ def _help(field: FieldInfo) -> str:
         default = ",".join("+".join(d) if isinstance(d, tuple) else str(d) for d in default)
     elif isinstance(default, bool):
         default = str(default).lower()
-    return f"{text.rstrip('.')} (default: {default})" if default is not None else text
+    if default is None:
+        return text
+    return f"{text.rstrip('.')} (default: {'none' if default == '' else default})"
 
 
 def _origin(path: Path | str | None, flags: dict[str, str]) -> Callable[[Location], str]:

@@ -17,7 +17,7 @@ from .isolation import isolation_marks
 from .records import ComboTrack, SignalTrack, TrackLog
 from .row_store import RowStore
 from .scenario import transmissions
-from .scenario.agc import gain_control, gain_log, noise_knots
+from .scenario.front_end import gain_control, gain_log, noise_knots
 from .sources import RecordingFormat
 from .tracking import TrackingConfig, breaks_of, core_settings, watched
 
@@ -95,7 +95,7 @@ def simulate(
         signals=rows.tracks(SignalTrack),
         combos=rows.tracks(ComboTrack),
         breaks=breaks_of(simulator),
-        gain=gain_log(plan, _emitters(scenario), plan.duration_s) if plan.agc else None,
+        gain=gain_log(scenario),
     )
 
 
@@ -129,10 +129,6 @@ def core_simulator(
         )
     except ValueError as error:
         raise ConfigError(str(error)) from error
-
-
-def _emitters(scenario: Scenario) -> list[_core.Emitter]:
-    return [t.emitter for t in transmissions(scenario)]
 
 
 def _format(plan: RecordingPlan) -> RecordingFormat:

@@ -64,7 +64,11 @@ def read_gain(path: Path) -> GainLog:
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise RecordingError(f"{path}: the gain log cannot be read: {error}") from error
+        why = error.strerror if isinstance(error, OSError) else "it is no text"
+        raise RecordingError(
+            f"{path}: the recording's gain log cannot be read: {why}; restore it, or take "
+            "gain_file out of the metadata"
+        ) from error
     told = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and line[0] != "#"]
     if not told or tuple(told[0][1].replace(" ", "").split(",")) != COLUMNS:
         raise RecordingError(f"{path}: a gain log begins with the columns {','.join(COLUMNS)}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -117,7 +118,7 @@ def process(
     """
     out = Path(out)
     result_path, report_path = output_paths(out, ("result.h5", "report.html"), force=force)
-    with output_folder(out), crew_for(threads) as crew:
+    with output_folder(out), _settled(), crew_for(threads) as crew:
         pictures = Pictures(crew)
         chosen = signals, prns, threads
         found, log = receive(recording, config, *chosen, stages, out, pictures.acquired)
@@ -156,6 +157,16 @@ def process(
                 progress(4, 4)
     paths = result_path, report_path
     return Processed(recording, config, tuple(found), log, verdict, *paths, located, why_not)
+
+
+@contextmanager
+def _settled() -> Iterator[None]:
+    """Spare the collector of garbage what is there already: modules, for the most part."""
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
 
 
 def output_paths(out: Path, names: Sequence[str], *, force: bool) -> list[Path]:

@@ -11,11 +11,11 @@ import pytest
 from sdr_spoof.correlator_level import simulate
 from sdr_spoof.detectors import DetectionConfig, power
 from sdr_spoof.detectors.noise_floor import QUANTITY as FLOOR
-from sdr_spoof.errors import ConfigError, RecordingError
+from sdr_spoof.errors import RecordingError
 from sdr_spoof.gain import GainLog, gain_text, read_gain
 from sdr_spoof.scenario import Scenario, open_synthesizer, synthesize, truth_path
 from sdr_spoof.sinks.hdf5 import Result, read_result, write_result
-from sdr_spoof.sources import open_recording
+from sdr_spoof.sources import RecordingFormat, open_recording
 from sdr_spoof.verdict import detect
 
 RATE_HZ, LO_HZ, STEP_S, RISE_DB, CONSTANT_S = 4e6, 1561.098e6, 0.05, 10.0, 0.02
@@ -125,7 +125,13 @@ def test_a_damaged_log_is_named_by_its_line(tmp_path: Path, text, word):
     (tmp_path / "x.agc.csv").write_text(text)
     with pytest.raises(RecordingError, match=word):
         read_gain(tmp_path / "x.agc.csv")
-    assert issubclass(ConfigError, ValueError)
+
+
+def test_a_log_that_is_missing_is_named_with_what_to_do(tmp_path: Path):
+    meta = synthesize(stepped(duration_s=0.01), tmp_path / "x", threads=1)
+    (tmp_path / "x.agc.csv").unlink()
+    with pytest.raises(RecordingError, match=r"x\.agc\.csv.*restore it"):
+        open_recording(meta)
 
 
 def test_a_log_comes_back(tmp_path: Path):
@@ -176,8 +182,6 @@ def test_what_detectors_see_of_interference(tmp_path: Path):
 
 
 def plan_format():
-    from sdr_spoof.sources import RecordingFormat  # noqa: PLC0415
-
     return RecordingFormat(sample_format="ci8", sample_rate_hz=RATE_HZ, lo_hz=LO_HZ)
 
 

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 from bcnav1_runs import MESSAGE, START, START_S, WEEK, broadcast, ephemeris, run_of
 
-from sdr_spoof import _core
 from sdr_spoof.errors import NavigationError
-from sdr_spoof.nav import bch15, bcnav1_fields, bcnav1_orbit, bcnav1_pages
+from sdr_spoof.nav import bcnav1_fields, bcnav1_orbit, bcnav1_pages
 from sdr_spoof.nav.messages import MESSAGES, message_on
 from sdr_spoof.nav.time import GnssTime
 
@@ -193,19 +192,6 @@ def test_geostationary_satellites_send_none() -> None:
     assert not MESSAGE.sent_on("B1CD", 60)
     assert not MESSAGE.sent_on("B1CP", 27)
     assert START.week_tow("C")[0] == WEEK
-
-
-def test_both_codecs_of_bch15_agree() -> None:
-    random = np.random.default_rng(8)
-    bits = random.integers(0, 2, (20, 300)).astype(np.uint8)
-    sent = ((1 - bch15.encode(bits)) // 2).astype(np.uint8)
-    words = sent.reshape(20, 10, 30)[:, 1:].reshape(-1, 30)
-    information = bits.reshape(20, 10, 30)[:, 1:, :22].reshape(-1, 22)
-    assert np.array_equal(_core.bch15_encode_words(np.ascontiguousarray(information)), words)
-    broken = words.copy()
-    broken[np.arange(len(words)), random.integers(0, 30, len(words))] ^= 1
-    decoded, changed = _core.bch15_decode_words(broken)
-    assert np.array_equal(decoded[:, :22], information) and (changed == 1).all()
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -12,13 +12,14 @@ import pytest
 from nav_air import NOON, VECTORS, content, noisy_run
 from observed_sky import EXACT, START, Sky
 from observed_sky import navigation as orbits
-from skies import sky
+from skies import satellite, sky
 
 from sdr_spoof import pvt, simulate
 from sdr_spoof.config import load_config
 from sdr_spoof.errors import NavigationError
 from sdr_spoof.fixes import Cause
 from sdr_spoof.nav import d2_integrity
+from sdr_spoof.nav.atmosphere import gpst_s, ionosphere_m
 from sdr_spoof.nav.beidou_framing import NUMBER, SOW
 from sdr_spoof.nav.bits import bits_of
 from sdr_spoof.nav.broadcast import Contents
@@ -29,10 +30,12 @@ from sdr_spoof.nav.store import Store
 from sdr_spoof.nav.time import GnssTime
 from sdr_spoof.positioning import locate
 from sdr_spoof.positioning.summary import sentences, summarise
+from sdr_spoof.signals import signal_spec
 from sdr_spoof.sinks.hdf5 import Result, read_result, write_result
 from sdr_spoof.sources import RecordingFormat
 
 D2 = MESSAGES["D2"]
+MORNING = VECTORS / "brd4_2023071_04h_08h.rnx"
 FRAME = GnssTime.of_week(897, 43_200.0, "C")
 JUDGED = (
     *(Integrity(prn, prn % 14, (3 * prn) % 15, 0.1 * (prn - 9)) for prn in range(1, 19)),
@@ -180,6 +183,26 @@ def test_the_grid_comes_back():
     assert D2.read(frames(seconds=42.0, start=start)).grid == ()
 
 
+def test_a_sky_sends_the_grid_of_its_ionosphere():
+    """Overhead, where the model of the message gives the same delay."""
+    made = sky(
+        recording={"duration_s": 40.0}, signals=["B1I"], systems=["C"], ionosphere="klobuchar",
+        start="2023-03-12T06:00:00", ionosphere_grid=True, navigation=str(MORNING),
+        klobuchar_alpha=(2e-8, 1e-8, -1e-7, 0.0), klobuchar_beta=(1e5, 1e5, -1e5, 0.0),
+    )  # fmt: skip
+    track = satellite(made, "C", 3).track
+    symbols = track.symbols(signal_spec("B1I"))
+    found = D2.read(D2.decode(noisy_run(symbols, "D2", 3, 60.0), track.sky.start)).grid
+    assert len(found) >= 13
+    place = np.array([(*p.place_deg, 0.0) for p in found])
+    up = np.tile([0.0, 90.0], (len(found), 1))
+    instants = gpst_s(track.sky.start, np.zeros(len(found)))
+    model = track.sky.propagation.klobuchar("C")
+    expected = ionosphere_m(model, place, up, instants, signal_spec("B1I").carrier_hz)
+    assert np.abs(expected - [p.delay_m for p in found]).max() <= 0.0625 + 1e-9
+    assert np.ptp(expected) > 0.2
+
+
 def test_a_point_that_is_not_monitored_is_told_as_such():
     bits = np.zeros(300, np.uint8)
     set_bits(bits, [51, 52, *range(61, 68)], 16)  # 2 m
@@ -214,6 +237,11 @@ def test_what_the_satellite_itself_found_wrong_is_not_read():
         return replace(frame, bits=bits) if frame.number == 2 else frame
 
     assert D2.read([wrong(f) for f in frames(JUDGED)]).integrity == ()
+
+
+def test_only_bds_satellites_are_judged():
+    with pytest.raises(ValueError, match="only BDS"):
+        sky(satellite=[{"prn": 5, "system": "G", "udrei": 3}])
 
 
 def test_too_many_satellites_are_an_error():

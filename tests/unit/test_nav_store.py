@@ -35,6 +35,17 @@ def test_the_closest_reference_is_taken() -> None:
     assert store.satellites() == [("C", 27)]
 
 
+def test_delay_of_b1c_is_that_of_b1i_where_none_is_stated() -> None:
+    d1 = _ephemeris(prn=23)
+    assert d1.group_delay_s("B1I") == pytest.approx(22.7e-9)
+    assert d1.group_delay_s("B1CP") == d1.group_delay_s("B1CD") == d1.group_delay_s("B1I")
+    assert d1.group_delay_s("L1CA") == 0.0
+    # What C23 says itself in tests/vectors/messages, ten months later.
+    own = replace(d1, message="CNV1", group_delays_s=(("B1CP", 23.5e-9), ("B1CD", 22.4e-9)))
+    assert own.group_delay_s("B1CP") == 23.5e-9
+    assert own.group_delay_s("B1I") == 0.0
+
+
 def test_of_equals_the_one_sent_last_is_taken() -> None:
     old = _ephemeris(transmitted=HOUR + -3000.0)
     new = _ephemeris(transmitted=HOUR + -600.0, e=0.001)

@@ -15,6 +15,7 @@ from PIL import Image
 from simulated_tracks import Satellite, simulate_log
 
 from sdr_spoof.detectors import DetectionConfig
+from sdr_spoof.report import crew as crew_module
 from sdr_spoof.report import write_report
 from sdr_spoof.report.crew import Crew, crew_for, finish
 from sdr_spoof.report.evidence import EvidenceBook
@@ -120,6 +121,15 @@ def test_what_a_dead_process_leaves_is_drawn_here(details):
         pictures = [crew.ask(drawing) for drawing in details]
         for process in crew._processes:
             process.kill()
+        assert [p.png() for p in pictures] == [d.png(Sheets()) for d in details]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="POSIX signals")
+def test_a_process_that_hangs_holds_nothing_up(details, monkeypatch):
+    monkeypatch.setattr(crew_module, "PATIENCE_S", 0.01)
+    with Crew(1) as crew:
+        crew._processes[0].send_signal(signal.SIGSTOP)
+        pictures = [crew.ask(drawing) for drawing in details]
         assert [p.png() for p in pictures] == [d.png(Sheets()) for d in details]
 
 

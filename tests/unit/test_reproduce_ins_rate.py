@@ -13,6 +13,7 @@ from sdr_spoof.reproduce.ins_rate import (
     false_alarms,
     flight_section,
     published,
+    signs,
     simulated,
     strapdown_runs,
     tests_section,
@@ -66,6 +67,14 @@ def test_samples_and_thresholds_of_the_tests(few):
     assert numbers["t_test_rejects_north"].value > 85.0
 
 
+def test_without_biases_the_drag_is_found_as_by_noise_alone():
+    flights = simulated.fleet(6).flights
+    clean, dragged = signs.shares(flights, np.zeros((1, 6, 6)))
+    size = 6 * 99
+    assert clean[0] == pytest.approx(0.01, abs=4 * (0.01 * 0.99 / size) ** 0.5 + 0.002)
+    assert dragged[0] == pytest.approx(0.25, abs=4 * (0.25 * 0.75 / size) ** 0.5 + 0.01)
+
+
 def test_the_end_of_an_interval_is_not_its_mean():
     assert flight_section.end_velocity_error() == pytest.approx(1.85, abs=0.01)
 
@@ -74,11 +83,15 @@ def test_a_drag_through_the_strapdown_computer(monkeypatch):
     monkeypatch.setattr(published, "DURATION_S", 200.0)
     monkeypatch.setattr(drag_runs, "LAST_S", 130)
     outcome = drag_runs.fly(drag_runs.Case("n2", (0.1, 0.02), 2, 4, 3), 1)
-    assert outcome.delay_s.shape == (2, 2, 4)
-    assert (outcome.delay_s[:, 0] <= 3.0).all()
-    assert (outcome.delay_s[:, 1] <= 10.0).all()
-    assert outcome.alarms[-1] == outcome.early == 0
-    assert outcome.hours == pytest.approx(8 * 195 / 3600, rel=0.02)
+    drag, local = outcome.drag, outcome.local
+    assert drag.delay_s.shape == local.delay_s.shape == (2, 2, 4)
+    assert (drag.delay_s[:, 0] <= 3.0).all()
+    assert (drag.delay_s[:, 1] <= 10.0).all()
+    for found, tested_s in ((drag, 195), (local, 131)):
+        assert found.alarms[-1] == found.early == 0
+        assert found.hours == pytest.approx(8 * tested_s / 3600, rel=0.02)
+    # N2 has drifted little so soon.
+    assert (local.delay_s[:, 0][outcome.onset_s[:, 0] >= drag_section.LOCAL_FIRST_S] <= 10.0).all()
 
 
 def test_rates_of_alarms_have_exact_intervals():

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from sdr_spoof.errors import ConfigError
 from sdr_spoof.progress import silent
+from sdr_spoof.reproduce import reproduce
 from sdr_spoof.reproduce.ship import (
     attack_runs,
     attack_section,
@@ -80,7 +82,7 @@ def test_attacks_are_seen_and_left(monkeypatch):
 
 def test_an_undetected_capture_is_put_into_words():
     slow = next(a for a in attacks.LIST if a.name == "all_0.001_s2")
-    found = attack_runs.outcome(slow, 2, 1)
+    found = attack_runs.outcome(slow, Effort(2))
     assert "No rule tells them apart" in found.said
 
 
@@ -89,7 +91,14 @@ def test_runs_are_their_own(few):
     one = list(simulation.runs(simulation.Case(config=config, runs=2)))
     other = list(simulation.runs(simulation.Case(config=config, runs=1, first=1)))
     assert np.array_equal(one[1].position_m, other[0].position_m)
+    fresh = next(simulation.runs(simulation.Case(config=config, runs=1), Effort(1, seed=3)))
+    assert not np.array_equal(one[0].position_m, fresh.position_m)
     assert config.clock_drift_m2_s3 == simulation.CLOCK_DRIFT_M2_S3
+
+
+def test_a_study_without_fresh_numbers_says_so(tmp_path):
+    with pytest.raises(ConfigError, match="leave out the seed"):
+        reproduce("combo", tmp_path, seed=1)
 
 
 def test_errata_and_list():

@@ -14,3 +14,10 @@ def test_the_command_line_loads_nothing_slow():
     code = f"import sys, sdr_spoof.cli; print([m for m in {SLOW} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_a_process_that_draws_loads_nothing_but_matplotlib():
+    """Its start is part of what a report takes."""
+    code = f"import sys, sdr_spoof.report.drawer; print([m for m in {SLOW} if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "['matplotlib']"

@@ -4,7 +4,7 @@ A lever arm or a clock that is wrong, axes, units, a wrong attitude at the start
 of them are GNSS that leaves the INS, which is what spoofers do. They differ in time: they are there
 from the beginning, or from a jump of the IMU's clock on, which looks like a gap. So a free INS is
 started there, and what it and the phases say is compared up to the first alarm (:mod:`.swing`), and
-by ``rate_drag`` while the filter settles. It is no test for spoofing: an attack that is there from
+by ``rate_drag`` in the first seconds. It is no test for spoofing: an attack that is there from
 the beginning cannot be told from an IMU that is wrong, and the words say so.
 """
 
@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 LONGEST_S = 300.0
 """More adds nothing."""
 LEAST_S = 5.0
+EARLY_S = 25.0
+"""What does not fit at all shows so soon; what shows later may be an attack."""
 STATES_HZ = 10.0
 TILT_S, LEAST_TILT_DEG, TILT_SIGMAS = 20.0, 0.25, 5.0
 """A tilt of the start bends the way of an INS by a quarter of g t^2 tilt in so long."""
@@ -85,8 +87,8 @@ def doubt(
             f"moves in the next {TILT_S:g} s: alarms may come of that; check attitude, axes and "
             "units of the IMU"
         )
-    settled = int(np.searchsorted(seen.time_s, begin_s + config.tight.settle_s))
-    return _from_the_beginning(seen.part(0, settled), free, config)
+    early = int(np.searchsorted(seen.time_s, begin_s + min(EARLY_S, config.tight.settle_s)))
+    return _from_the_beginning(seen.part(0, early), free, config)
 
 
 def _next_gap(log: ImuLog, begin_s: float) -> list[float]:

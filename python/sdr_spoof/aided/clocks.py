@@ -54,10 +54,11 @@ def _apart(log: ImuLog, measurements: Measurements, reference: GnssTime | None) 
         for what, t in (("the IMU covers", log.time_s), ("GNSS", measurements.time_s))
     ]
     gap = max(log.time_s[0] - measurements.time_s[-1], measurements.time_s[0] - log.time_s[-1])
+    late_s = float(log.time_s[0] - measurements.time_s[0])
     hint = "give files of the same drive"
     if gap < LEAP_HINT_S:
         hint = "is one of them in UTC, which is 18 s behind GPST?"
-    elif gap < FARTHEST_ZONE_S and abs(gap - round(gap / 3600) * 3600) < LEAP_HINT_S:
+    elif gap < FARTHEST_ZONE_S and abs(late_s - round(late_s / 3600) * 3600) < LEAP_HINT_S:
         hint = "is one of them in local time?"
     return f"IMU and GNSS have nothing in common: {', '.join(spans)}; {hint}"
 

@@ -19,7 +19,7 @@ from sdr_spoof.sinks.hdf5_records import write_text
 from .records import Guard, Use
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping
     from pathlib import Path
 
     from .records import AidedTrack, SmoothedTrack
@@ -37,6 +37,8 @@ SMOOTHED = (
     "smoothed_roll_deg", "smoothed_sigma_east_m", "smoothed_sigma_north_m", "smoothed_sigma_up_m",
 )  # fmt: skip
 """Columns behind those, of a track that was smoothed."""
+ONE_WRONG = ("horizontal_level_one_wrong_m", "vertical_level_one_wrong_m")
+"""Columns behind all others, if those levels were asked for."""
 
 
 def write_hdf5(path: Path, aided: Aided, config: Mapping[str, Any], *, force: bool = False) -> None:
@@ -66,11 +68,19 @@ def write_csv(path: Path, track: AidedTrack, *, force: bool = False) -> None:
     """
     text = io.StringIO()
     table = csv.writer(text)
-    smoothed = track.smoothed
-    table.writerow(COLUMNS if smoothed is None else (*COLUMNS, *SMOOTHED))
+    table.writerow([*COLUMNS, *(name for names, _ in _more(track) for name in names)])
     for e, row in enumerate(_rows(track)):
-        table.writerow(row if smoothed is None else [*row, *_state(smoothed, e)])
+        table.writerow([*row, *(value for _, values in _more(track) for value in values(e))])
     write_bytes(path, text.getvalue().encode(), force=force)
+
+
+def _more(track: AidedTrack) -> Iterator[tuple[tuple[str, ...], Callable[[int], Iterator[str]]]]:
+    """Columns that were asked for, and what stands in them at an epoch."""
+    later, level, height = track.smoothed, track.horizontal_one_wrong_m, track.vertical_one_wrong_m
+    if later is not None:
+        yield SMOOTHED, lambda e: _state(later, e)
+    if level is not None and height is not None:
+        yield ONE_WRONG, lambda e: (_number(v[e], 3) for v in (level, height))
 
 
 def _rows(track: AidedTrack) -> Iterator[list[str]]:

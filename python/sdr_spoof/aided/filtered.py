@@ -51,7 +51,13 @@ def track_of(solution: TightSolution, measurements: Measurements, risk: float) -
         raise AidingError("the measurements know no GNSS time; give files that do")
     covariance = solution.covariance[:, 0]
     valid = np.where(solution.valid, 1.0, np.nan)
-    horizontal = _largest(covariance[:, :2, :2])
+    factors = math.sqrt(-2 * math.log(risk)), float(norm.isf(risk / 2))
+    horizontal = factors[0] * np.sqrt(_largest(covariance[:, :2, :2]))
+    vertical = factors[1] * np.sqrt(covariance[:, 2, 2])
+    wrong = [
+        one_wrong(solution.apart_m, 2 * k, factor, level)
+        for k, (factor, level) in enumerate(zip(factors, (horizontal, vertical), strict=True))
+    ]
     spoofed = measurements.spoofed & np.isfinite(measurements.range_m)
     use = np.where(
         spoofed & (USES[solution.usage] == Use.EXCLUDED), Use.NAMED, USES[solution.usage]
@@ -63,14 +69,34 @@ def track_of(solution: TightSolution, measurements: Measurements, risk: float) -
         velocity_m_s=body_velocity(solution) * valid[:, None],
         attitude_rad=solution.attitude_rad * valid[:, None],
         sigma_enu_m=_sigma_enu(covariance),
-        horizontal_m=math.sqrt(-2 * math.log(risk)) * np.sqrt(horizontal),
-        vertical_m=float(norm.isf(risk / 2)) * np.sqrt(covariance[:, 2, 2]),
+        horizontal_m=horizontal,
+        vertical_m=vertical,
         alone_m=alone.places(measurements),
         satellites=solution.satellites,
         use=use.astype(np.uint8),
         guard=solution.state,
         smoothed=_smoothed(solution.smoothed, measurements.lever_arm_m),
+        horizontal_one_wrong_m=wrong[0],
+        vertical_one_wrong_m=wrong[1],
     )
+
+
+def one_wrong(apart_m: Floats | None, first: int, factor: float, level: Floats) -> Floats | None:
+    """Protection level whichever one satellite is wrong, (E,).
+
+    The filter without that satellite is right: the error of the whole one is at most its distance
+    from it and what the other's covariance allows. At least the level without a fault.
+
+    Args:
+        apart_m: of a solution (E, S, 4); None where it was not asked for.
+        first: 0: horizontal, 2: vertical.
+        factor: standard deviations that an error exceeds with the probability accepted.
+        level: without a fault.
+    """
+    if apart_m is None:
+        return None
+    bounds = apart_m[..., first] + factor * apart_m[..., first + 1]
+    return np.fmax(level, np.fmax.reduce(bounds, axis=1))
 
 
 def _smoothed(

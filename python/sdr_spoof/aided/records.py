@@ -111,6 +111,10 @@ class AidedTrack:
     """Values of :class:`Guard`, (E,)."""
     smoothed: SmoothedTrack | None = None
     """None unless it was asked for."""
+    horizontal_one_wrong_m: NDArray[np.float64] | None = None
+    """Horizontal protection level whichever one satellite is wrong, (E,); None unless asked for."""
+    vertical_one_wrong_m: NDArray[np.float64] | None = None
+    """Likewise."""
 
     def excluded(self) -> dict[str, tuple[tuple[float, float], ...]]:
         """Stretches (from, until) in s in which each satellite was left out."""

@@ -12,7 +12,7 @@ One is called wrong where it explains a good part of what is left, beyond any ch
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -40,10 +40,16 @@ SURE = 5.0
 """Deviations of one component of the arm: other misfits give large ones that are vague."""
 VAGUE_M = 20.0
 """A component of the arm that is known no better is not told."""
+MOST_LEFT = 4.0
+"""Noises: with more left, something else is wrong, such as the axes."""
+FARTHEST_M = 60.0
+"""An arm that long is none."""
 LEAST_M, LEAST_S = 0.2, 0.02
 """Errors of arm and clock that do no harm."""
 LEAST_VARIANCE = 0.01
 """Of a phase over its configured one: what is left is taken as it is, as long as it is possible."""
+HALF_S = 0.05
+"""Half of the step over which the antenna's velocity is taken."""
 OUTLIER = 4.0
 PASSES = 3
 ARM, CLOCK, ALL = slice(0, 3), slice(3, 4), 7
@@ -66,6 +72,8 @@ class Swing:
     arm_chi_square: float
     clock_share: float
     clock_chi_square: float
+    left: float
+    """What neither explains, over the noise of the phases."""
 
     @property
     def arm_wrong(self) -> bool:
@@ -75,12 +83,13 @@ class Swing:
             sigma < VAGUE_M and abs(arm - given) > max(SURE * sigma, LEAST_M)
             for given, arm, sigma in told
         )
-        return found and self.arm_share > SHARE and self.arm_chi_square > CHI_SQUARE
+        possible = float(np.linalg.norm(self.arm_m)) < FARTHEST_M and self.left < MOST_LEFT
+        return found and possible and self.arm_share > SHARE and self.arm_chi_square > CHI_SQUARE
 
     @property
     def clock_wrong(self) -> bool:
         """Whether the clocks are."""
-        found = abs(self.clock_s) > LEAST_S
+        found = abs(self.clock_s) > LEAST_S and self.left < MOST_LEFT
         return found and self.clock_share > SHARE and self.clock_chi_square > CHI_SQUARE
 
 
@@ -97,7 +106,11 @@ def swing(measurements: Measurements, states: InertialStates, config: RateConfig
     """
     ins = at_epochs(measurements, states)
     found = changes(measurements, states, config)
-    left, columns, unknowns = _freed(found, _columns(ins, found))
+    later, sooner = (
+        at_epochs(replace(measurements, time_s=measurements.time_s + h), states)
+        for h in (HALF_S, -HALF_S)
+    )
+    left, columns, unknowns = _freed(found, _columns(ins, found, (later, sooner)))
     keep = np.ones(left.size, bool)
     for _ in range(PASSES):
         free = int(keep.sum()) - unknowns - ALL
@@ -125,14 +138,17 @@ def swing(measurements: Measurements, states: InertialStates, config: RateConfig
         by_arm / variance,
         by_clock / (by_clock + rest),
         by_clock / variance,
+        float(np.sqrt(variance)),
     )
 
 
-def _columns(ins: States, found: Changes) -> Floats:
+def _columns(ins: States, found: Changes, around: tuple[States, States]) -> Floats:
     """What each unknown does to the displacement, east, north, up, (E, 3, 7)."""
+    later, sooner = around
+    velocity = (later.position_m - sooner.position_m) / (2 * HALF_S)
     turned, gained, moved = (
         np.diff(values, axis=0, prepend=values[:1] * np.nan)
-        for values in (ins.attitude, ins.velocity_m_s, ins.position_m)
+        for values in (ins.attitude, velocity, ins.position_m)
     )
     x, y, z = np.einsum("eij,ej->ie", found.axes, moved)
     zero = np.zeros_like(x)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,9 +20,9 @@ if TYPE_CHECKING:
 
     from rich.console import Console
 
-    from sdr_spoof.aiding.array.examine import Finding
+    from sdr_spoof.aiding.array.examine import Finding, Vehicle
+    from sdr_spoof.aiding.array.geometry import AntennaArray
     from sdr_spoof.records import TrackLog
-    from sdr_spoof.report.page import Page
     from sdr_spoof.sources import Recording
 
     from .ui import Ui
@@ -66,20 +67,45 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     config.add_flags(parser, ["acquisition", "tracking", "array"])
 
 
+@dataclass(frozen=True)
+class _Given:
+    """What the arguments name, fit to go together."""
+
+    array: AntennaArray
+    recordings: list[Recording]
+    moving: Vehicle
+    lines_m: list[float] | None
+    known: bool
+    """Whether orbits are."""
+
+
 def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
-    from sdr_spoof.aiding.array.examine import check_lines, check_number, examine  # noqa: PLC0415
+    from sdr_spoof.aiding.array.examine import examine  # noqa: PLC0415
+    from sdr_spoof.pipeline import output_folder, output_paths  # noqa: PLC0415
+
+    settings = config.from_arguments(arguments)
+    if arguments.output is not None:
+        output_paths(arguments.output, FILES, force=arguments.force)
+    # What does not go together is said before the long work.
+    given = _given(arguments)
+    logs = _tracked(given.recordings, arguments, ui, settings)
+    findings = examine(logs, given.array, given.moving, settings.array, given.lines_m)
+    if arguments.output is not None:
+        with ui.stages("Reporting"), output_folder(arguments.output):
+            _write(arguments, settings, given, findings)
+    return _outcome(findings, arguments, known=given.known)
+
+
+def _given(arguments: argparse.Namespace) -> _Given:
+    from sdr_spoof.aiding.array.examine import check_lines, check_number  # noqa: PLC0415
     from sdr_spoof.aiding.array.geometry import array_of  # noqa: PLC0415
     from sdr_spoof.aiding.array.vehicle import vehicle  # noqa: PLC0415
     from sdr_spoof.nav.rinex_nav import read_navigation  # noqa: PLC0415
     from sdr_spoof.nav.store import Store  # noqa: PLC0415
     from sdr_spoof.nav.time import GnssTime  # noqa: PLC0415
-    from sdr_spoof.pipeline import output_folder, output_paths  # noqa: PLC0415
-    from sdr_spoof.report.array import array_page  # noqa: PLC0415
-    from sdr_spoof.report.figures.array_scores import draw_scores  # noqa: PLC0415
     from sdr_spoof.scenario.sky.trajectory_files import read_csv  # noqa: PLC0415
     from sdr_spoof.sources import open_recording  # noqa: PLC0415
 
-    settings = config.from_arguments(arguments)
     for name, value in (("--elements", arguments.elements), ("--vehicle", arguments.vehicle)):
         if value is None:
             raise ConfigError(f"{name}: missing; an array's directions need it, see --help")
@@ -87,12 +113,9 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
     track = read_csv(arguments.vehicle)
     lines_m = _lines(arguments.lines)
     store = Store(read_navigation(arguments.nav)) if arguments.nav else None
-    if arguments.output is not None:
-        output_paths(arguments.output, FILES, force=arguments.force)
     recordings = [open_recording(path) for path in arguments.recordings]
-    first = recordings[0]
-    start = None if first.start is None else GnssTime.of_utc(first.start)
-    # What does not go together is said before the long work.
+    first = recordings[0].start
+    start = None if first is None else GnssTime.of_utc(first)
     check_number(len(recordings), array)
     check_lines(lines_m, array)
     known = store is not None and start is not None
@@ -102,23 +125,7 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
             "a recording that knows its time"
         )
     moving = vehicle(track, min(r.duration_s for r in recordings), store, start)
-    logs = _tracked(recordings, arguments, ui, settings)
-    findings = examine(logs, array, moving, settings.array, lines_m)
-    if arguments.output is not None:
-        with ui.stages("Reporting"), output_folder(arguments.output):
-            scores = draw_scores(findings)
-            page = array_page(
-                findings,
-                array,
-                moving,
-                settings.array,
-                name=arguments.recordings[0].name,
-                known=known,
-                calibrated=lines_m is not None,
-                picture=scores,
-            )
-            _write(arguments, settings, page, scores, _csv(findings))
-    return _outcome(findings, arguments, known=known)
+    return _Given(array, recordings, moving, lines_m, known)
 
 
 def _elements(text: str) -> list[list[float]]:
@@ -177,18 +184,30 @@ def _tracked(
 def _write(
     arguments: argparse.Namespace,
     settings: config.Config,
-    page: Page,
-    scores: bytes,
-    tests: bytes,
+    given: _Given,
+    findings: Sequence[Finding],
 ) -> None:
+    from sdr_spoof.report.array import array_page  # noqa: PLC0415
+    from sdr_spoof.report.figures.array_scores import draw_scores  # noqa: PLC0415
     from sdr_spoof.report.page import write_page  # noqa: PLC0415
     from sdr_spoof.sinks.atomic import write_bytes  # noqa: PLC0415
 
     report, picture, table = (arguments.output / name for name in FILES)
+    scores = draw_scores(findings)
+    page = array_page(
+        findings,
+        given.array,
+        given.moving,
+        settings.array,
+        name=arguments.recordings[0].name,
+        known=given.known,
+        calibrated=given.lines_m is not None,
+        picture=scores,
+    )
     used = settings.model_dump(mode="json", include={"acquisition", "tracking", "array"})
     write_page(report, page, used, force=arguments.force)
     write_bytes(picture, scores, force=arguments.force)
-    write_bytes(table, tests, force=arguments.force)
+    write_bytes(table, _csv(findings), force=arguments.force)
 
 
 def _csv(findings: Sequence[Finding]) -> bytes:

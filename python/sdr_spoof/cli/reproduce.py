@@ -33,6 +33,13 @@ def _configure(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="runs of each point (default: the study's own number)",
     )
+    parser.add_argument(
+        "--seed",
+        type=options.positive,
+        default=0,
+        metavar="N",
+        help="fresh random numbers (ship): what was chosen was chosen without them in view",
+    )
     options.add_threads(parser)
 
 
@@ -46,6 +53,7 @@ def _run(arguments: argparse.Namespace, ui: Ui) -> Outcome:
         folder,
         quick=arguments.quick,
         runs=arguments.runs,
+        seed=arguments.seed,
         threads=arguments.threads or os.cpu_count() or 1,
         force=arguments.force,
         stages=ui.stages,

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from .time import GnssTime
 
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
 LNAV, D1, D2, CNAV1 = "LNAV", "D1", "D2", "CNV1"
 """Messages, by the names of RINEX 4."""
+B1C = ("B1CP", "B1CD")
 
 
 @dataclass(frozen=True)
@@ -65,5 +70,14 @@ class Ephemeris:
     """How long before and after ``toe`` it is meant to be used."""
 
     def group_delay_s(self, signal: str) -> float:
-        """Delay of a registry signal against the broadcast clock; 0 where none is stated."""
-        return dict(self.group_delays_s).get(signal, 0.0)
+        """Delay of a registry signal against the broadcast clock; 0 where none is stated.
+
+        D1 states none of B1C: it is taken to be that of B1I, from which it differs by nanoseconds
+        where either is tens of them.
+        """
+        return delay_s(dict(self.group_delays_s), signal) or 0.0
+
+
+def delay_s(stated: Mapping[str, float], signal: str) -> float | None:
+    """Delay of a signal by those that messages state; None where nothing tells it."""
+    return stated.get(signal, stated.get("B1I") if signal in B1C else None)

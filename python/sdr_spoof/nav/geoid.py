@@ -3,8 +3,8 @@
 Source: Pavlis, Holmes, Kenyon and Factor, "The development and evaluation of the Earth
 Gravitational Model 2008", J. Geophys. Res. 117 (2012) B04406; every twelfth value of the grid of
 2.5 minutes of the US National Geospatial-Intelligence Agency (tide-free), rounded to 0.1 m.
-Between its nodes the table is 0.22 m (rms) off that grid, 0.9 m at the 99th percentile, 4.5 m at
-most (steep mountain coasts and deep-sea trenches): see docs/validation.md.
+Between its nodes the table is 0.22 m (rms) off that grid, 0.9 m at the 99th percentile, 6.7 m at
+most (a steep mountain coast): see docs/validation.md.
 """
 
 from __future__ import annotations

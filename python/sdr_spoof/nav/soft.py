@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .. import _core
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -20,8 +22,6 @@ LEAST_NOISE = 0.01
 UNCERTAIN = 0.4
 """Symbols are weaker than others where less than this of their certainty is left; what is more is
 not told from chance."""
-SURPRISE = 1e-8
-"""Chance, word by word, of something other than Gaussian noise: a half-cycle slip, interference."""
 
 
 @dataclass(frozen=True)
@@ -42,17 +42,11 @@ def doubt(
     """Probability (N,) that the cheapest of several explanations (N, K) of a word is wrong.
 
     A cost is the sum of the magnitudes ``weight`` (N, symbols) of the symbols of amplitude 1 that
-    would be wrong: in noise of variance s^2, errors of cost c have the weight exp(-2 c / s^2).
-    Those of ``more`` symbols or beyond are not among the explanations; they count as if the weakest
-    symbols were wrong, or as the cheapest explanation if that costs more.
+    would be wrong; those of ``more`` symbols or beyond are not among the explanations. The law is
+    in the core (``fec/doubt.rs``).
     """
-    least = costs.min(axis=1, initial=np.inf)
-    weakest = np.partition(weight, more, axis=1)[:, :more].sum(axis=1, dtype=np.float64)
-    costs = np.concatenate([costs, np.maximum(weakest, least)[:, None]], axis=1)
-    exponents = -2.0 * (costs - least[:, None]) / noise**2
-    others = np.exp(np.maximum(exponents, -700.0)).sum(axis=1) - 1.0
-    others += SURPRISE * np.exp(np.minimum(2.0 * least / noise**2, 700.0))
-    return np.asarray(others / (1.0 + others))
+    magnitudes = np.ascontiguousarray(weight, np.float64)
+    return _core.word_doubt(np.ascontiguousarray(costs), magnitudes, more, noise)
 
 
 def amplitude_and_noise(values: NDArray[np.float32]) -> tuple[float, float]:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from sdr_spoof.gaps import uncounted
+from sdr_spoof.nav.ephemeris import delay_s
 from sdr_spoof.observations import SUBCARRIER, ObservedSignal
 from sdr_spoof.signals import signal_spec
 
@@ -113,6 +114,5 @@ def _group_delays(combo: ComboTrack, system: str, navigation: Navigation) -> tup
     for ephemeris in navigation.ephemerides:
         if (ephemeris.system, ephemeris.prn) == (system, combo.prn):
             stated |= dict(ephemeris.group_delays_s)
-    if not {combo.lower, combo.upper} <= stated.keys():
-        return 0.0, 0.0
-    return stated[combo.lower], stated[combo.upper]
+    lower, upper = delay_s(stated, combo.lower), delay_s(stated, combo.upper)
+    return (0.0, 0.0) if lower is None or upper is None else (lower, upper)

@@ -97,6 +97,7 @@ def _parts(aided: Aided, truth_m: NDArray[np.float64] | None) -> Iterator[Part]:
     track = aided.track
     if track is not None:
         later = "" if track.smoothed is None else SMOOTHED
+        wrong = "" if track.horizontal_one_wrong_m is None else "; dashed: or all but one of them"
         yield Part(
             "Map",
             "The way by GNSS alone, every satellite believed, and by the aided receiver. Shaded: "
@@ -107,8 +108,8 @@ def _parts(aided: Aided, truth_m: NDArray[np.float64] | None) -> Iterator[Part]:
         yield Part(
             "Error and protection levels",
             f"Distances from {what}. Green: what the aided place's error stays below with all but "
-            f"{aided.risk:g} probability if the satellites in use are right. Shaded red: not all "
-            f"satellites are believed.{later}",
+            f"{aided.risk:g} probability if the satellites in use are right{wrong}. Shaded red: "
+            f"not all satellites are believed.{later}",
             figures.draw_errors(track, truth_m),
         )
         yield Part(

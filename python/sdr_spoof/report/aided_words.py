@@ -78,6 +78,8 @@ def sureness(verdict: AidedVerdict) -> str:
 
 def action(verdict: AidedVerdict) -> str:
     """What to do."""
+    if verdict.verdict == SUSPECT and verdict.doubt:
+        return "mend what does not fit, and judge again; until then trust neither"
     if verdict.verdict == SUSPECT:
         return "use the aided place, and watch it"
     if verdict.everybody or not verdict.satellites:

@@ -1,10 +1,10 @@
 """Processes that draw pictures beside the receiver.
 
 A picture is a pure function of its numbers, so it does not matter who draws it: whoever asks for
-one that no process has begun draws it itself, and so it does where a process fails, whose error
-then comes as if there were none. The processes are plain interpreters fed through pipes, so that
-they need nothing of the program that uses this package (no ``__main__`` guard), do not see Ctrl-C,
-and end when their pipe closes, however that program ends.
+one that no process has begun draws it itself, and so it does where a process fails or hangs; an
+error of the picture then comes as if there were none. The processes are plain interpreters fed
+through pipes, so that they need nothing of the program that uses this package (no ``__main__``
+guard), do not see Ctrl-C, and end when their pipe closes, however that program ends.
 """
 
 from __future__ import annotations
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 MOST = 3
 """Processes: a report has some twenty pictures, and each process loads the libraries first."""
+PATIENCE_S = 1.0
+"""Longer than any picture takes, for one that a process has begun."""
 _START = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
     "from sdr_spoof.report.drawer import main; main()"
@@ -63,8 +65,9 @@ class Picture:
         """The picture; waits for the process that is drawing it."""
         self.draw_unless_begun()
         if self._png is None and self._elsewhere is not None:
-            with suppress(OSError, EOFError, pickle.PickleError):  # the process has ended
-                self._png = self._elsewhere.result()
+            # The process has ended, or does not answer (a TimeoutError is an OSError).
+            with suppress(OSError, EOFError, pickle.PickleError):
+                self._png = self._elsewhere.result(PATIENCE_S)
         if self._png is None:
             self._png = self.drawing.png(self._sheets)
         return self._png
@@ -137,6 +140,8 @@ def finish(pictures: Sequence[Picture]) -> None:
 
 def _started() -> subprocess.Popen[bytes] | None:
     """A process that draws; None where none can be started."""
+    if not sys.executable or getattr(sys, "frozen", False):  # embedded, or a program of one file
+        return None
     apart: dict[str, Any] = {"start_new_session": True}
     if sys.platform == "win32":
         apart = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}

@@ -12,6 +12,8 @@ from sdr_spoof.report.figures.sky_plot import draw_sky
 if TYPE_CHECKING:
     from sdr_spoof.positioning import Located
 
+COLOURS = "Green: no alarm; amber: a satellite under suspicion; red: spoofed satellites left out."
+
 
 @dataclass(frozen=True)
 class PositionPart:
@@ -20,7 +22,7 @@ class PositionPart:
     sentences: tuple[str, ...]
     notes: tuple[str, ...] = ()
     figures: tuple[tuple[str, str], ...] = ()
-    """(what it shows, picture)."""
+    """(what it shows and how, picture)."""
 
 
 def draw_position(located: Located | None, why_not: str) -> PositionPart | None:
@@ -33,8 +35,11 @@ def draw_position(located: Located | None, why_not: str) -> PositionPart | None:
         return PositionPart(told, summary.notes)
     route = located.route
     figures = (
-        ("Satellites in the sky, as seen from the receiver", draw_sky(route)),
-        ("Track, and scatter of the fixes", draw_track(route)),
-        ("Height, geometry and residuals over time", draw_geometry(route)),
+        (f"Satellites in the sky, as seen from the receiver. {COLOURS}", draw_sky(route)),
+        (f"Track, and scatter of the fixes. {COLOURS}", draw_track(route)),
+        (
+            f"Height, geometry and residuals over time. Dots of the height: {COLOURS.lower()}",
+            draw_geometry(route),
+        ),
     )
     return PositionPart(told, summary.notes, figures)

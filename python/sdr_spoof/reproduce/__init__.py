@@ -43,6 +43,7 @@ def reproduce(
     *,
     quick: bool = False,
     runs: int | None = None,
+    seed: int = 0,
     threads: int = 1,
     force: bool = False,
     stages: Stages = silent,
@@ -54,16 +55,20 @@ def reproduce(
         folder: where to write; made where it does not exist.
         quick: few Monte Carlo runs, under half a minute.
         runs: runs of the whole receiver for each point, instead of the study's own number.
+        seed: other than 0: fresh random numbers, so that nothing was chosen with them in view.
         threads: workers; the numbers do not depend on it.
         force: replace an earlier reproduction in the folder.
         stages: shows the progress of each part.
 
     Raises:
-        ConfigError: no such study.
+        ConfigError: no such study, or one that knows no seed.
         OutputError: the folder holds such results already, or cannot be written.
     """
     study, folder = find(name), Path(folder)
     check_folder(folder, study, force=force)
-    effort = Effort(runs or (study.quick_runs if quick else study.full_runs), threads, quick)
+    if seed and not study.seeded:
+        raise ConfigError(f"the study '{name}' has no fresh random numbers; leave out the seed")
+    count = runs or (study.quick_runs if quick else study.full_runs)
+    effort = Effort(count, threads, quick, seed)
     sections = study.sections(effort, stages)
     return write(Reproduction(study, effort, sections, study.errata()), folder, force=force)

@@ -69,7 +69,11 @@ def summary(made: Reproduction) -> dict[str, Any]:
     return {
         "study": made.study.name,
         "title": made.study.title,
-        "effort": {"runs": made.effort.runs, "quick": made.effort.quick},
+        "effort": {
+            "runs": made.effort.runs,
+            "quick": made.effort.quick,
+            "seed": made.effort.seed,
+        },
         "met": made.met,
         "acceptance": [{**asdict(n), "met": n.met} for n in made.numbers],
         "tables": {

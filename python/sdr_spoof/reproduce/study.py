@@ -20,6 +20,8 @@ class Effort:
     threads: int = 1
     quick: bool = False
     """Leave out what takes minutes even with few runs."""
+    seed: int = 0
+    """Other than 0: fresh random numbers, of studies that are ``seeded``."""
 
     @property
     def draws(self) -> int:
@@ -112,6 +114,8 @@ class Study:
     full_runs: int = 1000
     quick_runs: int = 10
     """Under half a minute on two cores."""
+    seeded: bool = False
+    """Whether it can be run with fresh random numbers."""
 
 
 @dataclass(frozen=True)

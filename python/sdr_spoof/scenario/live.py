@@ -9,8 +9,7 @@ from sdr_spoof.errors import SignalError
 from sdr_spoof.signals import signal_spec
 from sdr_spoof.sources import RecordingFormat
 
-from .agc import gain_log
-from .emitters import transmissions
+from .front_end import gain_log
 from .synthesis import open_synthesizer
 
 if TYPE_CHECKING:
@@ -36,8 +35,7 @@ class LiveRecording:
         self.sample_count = plan.sample_count
         self.duration_s = plan.duration_s
         self._signals = {s for satellite in scenario.satellites for s in satellite.signals}
-        emitters = [t.emitter for t in transmissions(scenario)] if plan.agc is not None else []
-        self.gain = gain_log(plan, emitters, plan.duration_s)
+        self.gain = gain_log(scenario)
         self._synthesizer = open_synthesizer(scenario, threads)
 
     def read_raw(self, start: int, count: int) -> NDArray[np.uint8]:

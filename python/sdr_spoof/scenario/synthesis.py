@@ -14,9 +14,9 @@ from sdr_spoof.gain import gain_text
 from sdr_spoof.sources import RecordingFormat
 from sdr_spoof.sources.sigmf_file import DATA, META, write_meta
 
-from .agc import gain_control, gain_log, noise_knots
 from .dme_table import dme_csv
 from .emitters import transmissions
+from .front_end import gain_control, gain_log, noise_knots
 from .imu_data import imu_of
 from .truth import truth
 from .vehicle_data import moves_array, vehicle_csv
@@ -196,8 +196,7 @@ class _Files:
         dme = dme_csv(scenario, count / plan.sample_rate_hz)
         if dme is not None and self.dme is not None:
             self.dme.write_text(dme, encoding="utf-8")
-        emitters = [t.emitter for t in transmissions(scenario)] if self.agc is not None else []
-        gain = gain_log(plan, emitters, count / plan.sample_rate_hz)
+        gain = gain_log(scenario, count / plan.sample_rate_hz)
         if gain is not None and self.agc is not None:
             self.agc.write_text(gain_text(gain), encoding="ascii")
         if self.vehicle is not None:

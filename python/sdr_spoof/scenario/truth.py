@@ -30,9 +30,9 @@ import numpy as np
 
 from sdr_spoof.signals import components, signal_spec
 
-from .agc import front_end_truth
 from .attack import Position
 from .emitters import AUTHENTIC, Transmission, transmissions
+from .front_end import front_end_truth
 from .imu_data import imu_of
 from .sky.truth import sky_truth
 

@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sdr_spoof import _core
 from sdr_spoof.nav import bch15, lnav_words
 from sdr_spoof.nav.bits import PAGE_BITS
 from sdr_spoof.nav.subframes import TRUSTED
@@ -38,7 +37,7 @@ CODES = ("D1", "LNAV")
 """Those measured; D2 has D1's code."""
 CHUNK = 200
 STUDY = 52
-WORD, FIRST_WORDS = 30, 1
+FIRST_WORD = 30
 
 
 @dataclass(frozen=True)
@@ -131,10 +130,8 @@ def _count(code: str, es_n0_db: float, seed: int) -> NDArray[np.int64]:
 
 def _hard_d1(soft: NDArray[np.float32], bits: Bits) -> NDArray[np.bool_]:
     """Wrong after the repair of one error in each code word; the first word left out."""
-    words = (soft < 0).astype(np.uint8).reshape(len(soft), -1, WORD)[:, FIRST_WORDS:]
-    repaired, _ = _core.bch15_decode_words(np.ascontiguousarray(words).reshape(-1, WORD))
-    sent = bits.reshape(len(soft), -1, WORD)[:, FIRST_WORDS:]
-    return np.asarray((repaired.reshape(sent.shape) != sent).any(axis=(1, 2)))
+    wrong = bch15.correct((soft < 0).astype(np.uint8)) != bits
+    return np.asarray(wrong[:, FIRST_WORD:].any(axis=1))
 
 
 def _hard_lnav(soft: NDArray[np.float32], bits: Bits) -> NDArray[np.bool_]:

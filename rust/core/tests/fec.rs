@@ -1,7 +1,7 @@
 //! The codes of the navigation messages on received and on noisy words.
 
 use proptest::prelude::*;
-use sdr_spoof_core::fec::{bch15, cnav1, crc24q, ldpc64};
+use sdr_spoof_core::fec::{beidou_subframe, cnav1, crc24q, ldpc64};
 
 /// Code words that a satellite sent.
 const RECEIVED: &str = include_str!("../../../tests/vectors/messages/bcnav1.txt");
@@ -158,12 +158,13 @@ proptest! {
     }
 
     #[test]
-    fn words_of_d1_survive_any_single_error(
-        information in proptest::array::uniform22(0u8..2), place in 0usize..30,
+    fn subframes_of_d1_survive_any_single_error(
+        mut bits in proptest::collection::vec(0u8..2, 300), place in 15usize..300,
     ) {
-        let mut word = bch15::encode_word(&information);
-        word[place] ^= 1;
-        let (bits, corrected) = bch15::decode_word(&word);
-        prop_assert_eq!((&bits[..22], corrected), (&information[..], 1));
+        let bits: &mut [u8; 300] = bits.as_mut_slice().try_into().unwrap();
+        let mut symbols = beidou_subframe::encode(bits);
+        symbols[place] ^= 1;
+        let found = beidou_subframe::correct(&symbols);
+        prop_assert_eq!((&found.bits, found.corrected.iter().sum::<usize>()), (&*bits, 1));
     }
 }

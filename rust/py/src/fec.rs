@@ -6,42 +6,17 @@ use numpy::{
 };
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use sdr_spoof_core::fec::{bch15, cnav1, crc24q as crc, estimate_noise, ldpc64, Level};
+use sdr_spoof_core::fec::{cnav1, crc24q as crc, estimate_noise, ldpc64, Level};
 
 use crate::to_py;
 
 type Bits<'py> = Bound<'py, PyArray1<u8>>;
-type Rows<'py> = Bound<'py, PyArray2<u8>>;
+pub(crate) type Rows<'py> = Bound<'py, PyArray2<u8>>;
 
 /// CRC-24Q of bits of 0 and 1.
 #[pyfunction]
 fn crc24q(bits: PyReadonlyArray1<'_, u8>) -> PyResult<u32> {
     Ok(crc::crc24q(bits.as_slice()?))
-}
-
-/// Words of D1 and D2 as sent, (N, 30), from information, (N, 22).
-#[pyfunction]
-fn bch15_encode_words<'py>(
-    py: Python<'py>,
-    information: PyReadonlyArray2<'py, u8>,
-) -> PyResult<Rows<'py>> {
-    let rows = rows_of::<u8, { 2 * bch15::INFORMATION }>(&information)?;
-    let words = rows.iter().flat_map(bch15::encode_word);
-    table(py, words.collect(), bch15::WORD)
-}
-
-/// Corrected bits, (N, 30), 22 of information first, and how many were changed, (N,), of words of
-/// D1 and D2 as sent, (N, 30).
-#[pyfunction]
-fn bch15_decode_words<'py>(
-    py: Python<'py>,
-    words: PyReadonlyArray2<'py, u8>,
-) -> PyResult<(Rows<'py>, Bits<'py>)> {
-    let rows = rows_of::<u8, { bch15::WORD }>(&words)?;
-    let decoded: Vec<_> = rows.iter().map(bch15::decode_word).collect();
-    let changed: Vec<u8> = decoded.iter().map(|d| d.1 as u8).collect();
-    let bits = decoded.iter().flat_map(|d| d.0).collect();
-    Ok((table(py, bits, bch15::WORD)?, changed.into_pyarray(py)))
 }
 
 fn code(name: &str) -> PyResult<&'static ldpc64::Code> {
@@ -183,7 +158,7 @@ fn frame(py: Python<'_>, f: cnav1::Frame) -> Cnav1Frame {
     }
 }
 
-fn rows_of<T: numpy::Element + Copy, const N: usize>(
+pub(crate) fn rows_of<T: numpy::Element + Copy, const N: usize>(
     array: &PyReadonlyArray2<'_, T>,
 ) -> PyResult<Vec<[T; N]>> {
     same("columns", array.shape()[1], N)?;
@@ -191,12 +166,16 @@ fn rows_of<T: numpy::Element + Copy, const N: usize>(
     Ok(array.as_slice()?.chunks_exact(N).map(row).collect())
 }
 
-fn table<'py>(py: Python<'py>, values: Vec<u8>, columns: usize) -> PyResult<Rows<'py>> {
+pub(crate) fn table<T: numpy::Element>(
+    py: Python<'_>,
+    values: Vec<T>,
+    columns: usize,
+) -> PyResult<Bound<'_, PyArray2<T>>> {
     let rows = values.len() / columns;
     values.into_pyarray(py).reshape([rows, columns])
 }
 
-fn same(what: &str, found: usize, wanted: usize) -> PyResult<()> {
+pub(crate) fn same(what: &str, found: usize, wanted: usize) -> PyResult<()> {
     if found == wanted {
         return Ok(());
     }
@@ -208,8 +187,6 @@ fn same(what: &str, found: usize, wanted: usize) -> PyResult<()> {
 pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<Cnav1Frame>()?;
     m.add_function(wrap_pyfunction!(crc24q, m)?)?;
-    m.add_function(wrap_pyfunction!(bch15_encode_words, m)?)?;
-    m.add_function(wrap_pyfunction!(bch15_decode_words, m)?)?;
     m.add_function(wrap_pyfunction!(ldpc64_encode, m)?)?;
     m.add_function(wrap_pyfunction!(ldpc64_decode, m)?)?;
     m.add_function(wrap_pyfunction!(symbol_level, m)?)?;

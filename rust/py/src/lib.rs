@@ -13,6 +13,7 @@ mod inertial;
 mod navigation;
 mod signals;
 mod simulate;
+mod subframes;
 mod synth;
 mod tight;
 mod track;
@@ -31,6 +32,7 @@ fn _core(m: &Bound<'_, PyModule>) -> PyResult<()> {
     simulate::register(m)?;
     bench::register(m)?;
     fec::register(m)?;
+    subframes::register(m)?;
     navigation::register(m)?;
     fixes::register(m)?;
     imu::register(m)?;

@@ -90,6 +90,7 @@ fn settings(v: &Bound<'_, PyDict>, lever_arm: [f64; 3]) -> PyResult<Settings> {
         outages: get(v, "outages")?,
         bridge: get(v, "bridge_s")?,
         smooth: get(v, "smooth")?,
+        subsets: get(v, "subsets")?,
     })
 }
 
@@ -248,6 +249,8 @@ fn to_dict(py: Python<'_>, made: Output, satellites: usize) -> PyResult<Bound<'_
         made.channel.into_flattened().into_flattened(),
         (e, s, 2, 3)
     );
+    let asked = made.apart.len() / satellites.max(1);
+    put!("apart", made.apart.into_flattened(), (asked, satellites, 4));
     put!("threat", made.threat.iter().map(|t| t.0).collect(), e);
     put!("severity", made.threat.iter().map(|t| t.1).collect(), e);
     put!("deviates", made.deviates, (e, t));

@@ -37,6 +37,10 @@ if TYPE_CHECKING:
 GAP = 1.5
 """Usual steps of the INS from which on two states are not joined."""
 LEAST_SIGMA_M = 0.1
+HELD, HELD_SQUARE = 3.0, 0.995007
+"""Steps count with at most so many rough standard deviations, so that glitches do not; the mean
+square of normal numbers that are held so. The median alone, 1.4 times as uncertain, alarms more
+often than is promised."""
 
 
 @dataclass(frozen=True)
@@ -240,4 +244,6 @@ def _measured_sigma(made: Differences, config: SequentialConfig) -> float:
             f"the first {config.baseline_s:g} s hold too few pseudoranges to measure their noise; "
             "give it (--sequential-sigma-m) or a longer baseline"
         )
-    return max(float(1.4826 * np.median(np.abs(steps))), LEAST_SIGMA_M)
+    rough = 1.4826 * float(np.median(np.abs(steps)))
+    held = np.minimum(np.abs(steps), HELD * rough)
+    return max(float(np.sqrt(np.mean(held**2) / HELD_SQUARE)), LEAST_SIGMA_M)

@@ -9,6 +9,8 @@ import numpy as np
 
 from sdr_spoof.errors import InertialError
 
+from ..increments import BRIDGE_S
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -157,7 +159,8 @@ def _gaps(rows: ImuRows) -> list[str]:
         return []
     longest = late[np.argmax(steps[late])]
     missing_s = float(steps[longest]) - rows.interval_s
+    what = "a gap of" if late.size == 1 else f"{late.size} gaps; the longest is"
     return [
-        f"{late.size} gaps; the longest is {missing_s:.3g} s at {rows.time_s[longest]:.2f} s: "
-        "short ones are bridged, after long ones a new alignment is needed"
+        f"{what} {missing_s:.3g} s at {rows.time_s[longest]:.2f} s: up to {BRIDGE_S:g} s is "
+        "bridged, after longer ones a new alignment is needed"
     ]

@@ -127,6 +127,11 @@ class TightConfig(BaseModel):
     bridge_s: float = Field(
         0.5, ge=0.0, description="Longer gaps of the IMU make the motion four times as uncertain."
     )
+    one_wrong: bool = Field(
+        False,
+        description="Run a filter without each satellite beside the whole one: protection levels "
+        "that hold whichever one satellite is wrong and not yet found out.",
+    )
     smooth: bool = Field(
         False,
         description="Estimate every epoch from what was measured after it as well, once the run is "
@@ -194,6 +199,7 @@ class TightConfig(BaseModel):
             "outages": list(self.outages_s),
             "bridge_s": self.bridge_s,
             "smooth": self.smooth,
+            "subsets": self.one_wrong,
             "settle_s": self.settle_s,
             "pardon_s": self.pardon_s,
             "dwell_s": self.dwell_s,

@@ -146,6 +146,7 @@ def _solution(made: dict[str, Any], shared: Measurements) -> TightSolution:
         deviates=made["deviates"],
         state=made["state"],
         events=tuple(_event(e, shared.satellites) for e in made["events"]),
+        apart_m=made["apart"] if made["apart"].size else None,
         smoothed=None if made["smoothed"] is None else _smoothed(made["smoothed"]),
     )
 

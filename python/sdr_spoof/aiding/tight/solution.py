@@ -152,6 +152,10 @@ class TightSolution:
     events: tuple[Event, ...]
     smoothed: Smoothed | None = None
     """None unless it was asked for."""
+    apart_m: Floats | None = None
+    """Of the filter without each satellite: its distance from the whole one and its standard
+    deviation, horizontally, in the worst direction, and vertically (E, S, 4); NaN where the
+    satellite has not been used. None unless it was asked for."""
 
     @property
     def horizontal_sigma_m(self) -> Floats:

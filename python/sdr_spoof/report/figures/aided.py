@@ -104,6 +104,11 @@ def draw_errors(track: AidedTrack, truth_m: NDArray[np.float64] | None) -> str:
         for axes, bound in bounds.items():
             axes.fill_between(track.time_s, 0, bound, color=LEVEL, alpha=0.13, linewidth=0)
             axes.plot(*style.thinned(track.time_s, bound), color=LEVEL, label="protection level")
+        wrong = {level: track.horizontal_one_wrong_m, height: track.vertical_one_wrong_m}
+        for axes, higher in wrong.items():
+            if higher is not None:
+                line = style.thinned(track.time_s, higher)
+                axes.plot(*line, color=LEVEL, linestyle="--", label="one satellite wrong")
         for name, (place, colour) in lines.items():
             enu = _against(place, reference)
             away = np.hypot(enu[:, 0], enu[:, 1])

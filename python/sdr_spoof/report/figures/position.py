@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from sdr_spoof.route import ALARM_COLOURS, Alarm, Quality
 
 from . import style
+from .scatter import scatter_of
 from .sky_plot import LABELS
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ def local_m(route: Route) -> NDArray[np.float64]:
 
 
 def draw_track(route: Route) -> str:
-    """Map and scatter side by side; of a moving track about the mean of eleven fixes."""
+    """Map and scatter side by side."""
 
     def draw(figure: Figure) -> None:
         track, scatter = figure.subplots(1, 2, gridspec_kw=BESIDE)
@@ -52,9 +53,9 @@ def draw_track(route: Route) -> str:
         track.plot(local[:, 0], local[:, 1], color=style.GRID, zorder=1)
         _dots(track, route, local[:, 0], local[:, 1])
         track.set_title("Track, about its median")
-        spread = local - _smooth(local)
+        spread, title = scatter_of(route, local)
         _dots(scatter, route, spread[:, 0], spread[:, 1])
-        scatter.set_title(f"Scatter: {_rms(spread[:, :2])}")
+        scatter.set_title(title)
         for axes in (track, scatter):
             axes.set_aspect("equal", adjustable="datalim")
             axes.set_xlabel("East (m)")
@@ -74,31 +75,6 @@ def _dots(axes: Axes, route: Route, x: NDArray[np.float64], y: NDArray[np.float6
         axes.plot(x[kept], y[kept], ".", color=ALARM_COLOURS[alarm], markersize=6, zorder=2)
     doubt = route.quality == Quality.SUSPECT
     axes.plot(x[doubt], y[doubt], "x", color=style.INK, markersize=6, zorder=3)
-
-
-def _smooth(values: NDArray[np.float64], count: int = 10) -> NDArray[np.float64]:
-    """Median of a static track; of a moving one the mean of each fix and those around."""
-    flat = values[np.isfinite(values).all(axis=1), :2]
-    if not len(flat) or np.ptp(flat, axis=0).max() < STATIC_M:
-        return np.zeros_like(values)
-    kernel = np.ones(count + 1)
-    known = np.isfinite(values[:, 0])
-    weight = np.convolve(known, kernel, "same")
-    sums = [np.convolve(np.where(known, v, 0.0), kernel, "same") for v in values.T]
-    mean = np.stack(sums, axis=1) / np.maximum(weight, 1)[:, None]
-    mean[weight < kernel.size] = np.nan  # one-sided: not in the middle of its fixes
-    return np.asarray(mean)
-
-
-STATIC_M = 20.0
-"""A track that keeps within this is drawn as that of a receiver at rest."""
-
-
-def _rms(values: NDArray[np.float64]) -> str:
-    known = values[np.isfinite(values).all(axis=1)]
-    if not known.size:
-        return "no fix"
-    return f"{np.sqrt((known**2).sum(axis=1).mean()):.2g} m RMS"
 
 
 def draw_geometry(route: Route) -> str:
@@ -128,15 +104,25 @@ def draw_geometry(route: Route) -> str:
 
 
 def _residuals(axes: Axes, route: Route) -> None:
-    """Of every satellite, in the colour of the signal; thick where it is spoofed."""
+    """Of every satellite, in the colour of the signal; thick where it is spoofed.
+
+    Shaded: their root mean square.
+    """
     time, named = route.sample_time_s, set()
+    every = [values for s in route.satellites for values in s.residual_m.values()]
+    if every:
+        known = np.isfinite(every)
+        square = np.where(known, every, 0.0) ** 2
+        rms = np.sqrt(square.sum(axis=0) / np.maximum(known.sum(axis=0), 1))
+        thin_s, edge = style.thinned(time, rms)
+        axes.fill_between(thin_s, -edge, edge, color=style.GRID, label="RMS", linewidth=0)
     for satellite in route.satellites:
         for signal, values in satellite.residual_m.items():
             label = signal if signal not in named else None
             named.add(signal)
-            axes.plot(
-                *style.thinned(time, values), color=style.colour(signal), label=label, alpha=0.6
-            )
+            how: dict[str, Any] = {"linewidth": 0.7, "alpha": 0.55}
+            line = style.thinned(time, values)
+            axes.plot(*line, color=style.colour(signal), label=label, **how)
             bad = np.where(satellite.alarm == Alarm.SPOOFED, values, np.nan)
             if np.isfinite(bad).any():
                 axes.plot(*style.thinned(time, bad), color=style.ALARM, linewidth=2)

@@ -26,7 +26,7 @@ def draw_drags(found: Mapping[str, Sequence[Outcome]], drags_m_s: Sequence[float
         panels = figure.subplots(1, 2, sharey=True)
         for axes, grade in zip(panels, ("n1", "n2"), strict=True):
             for number, (drag, colour) in enumerate(zip(drags_m_s, COLOURS, strict=True)):
-                delay = np.concatenate([o.delay_s[:, number].ravel() for o in found[grade]])
+                delay = np.concatenate([o.drag.delay_s[:, number].ravel() for o in found[grade]])
                 time_s = np.arange(LONGEST_S + 1)
                 share = [(delay <= s).mean() for s in time_s]
                 axes.step(time_s, share, where="post", color=colour, label=f"{drag:g} m/s")

@@ -1,4 +1,4 @@
-"""Drags on random flights through the strapdown computer, and the search for them."""
+"""Drags on random flights through the strapdown computer, by ``rate_drag`` and ``rate_local``."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.stats import chi2, norm
 
 from sdr_spoof.aiding import strapdown
-from sdr_spoof.aiding.detectors import budget, growth, rate_drag
+from sdr_spoof.aiding.detectors import budget, growth, local_mean, rate_drag, rate_local
 from sdr_spoof.aiding.detectors.changes import at_states
 from sdr_spoof.aiding.detectors.drag_filter import Displacements, search
 from sdr_spoof.aiding.imu.simulate import ideal_increments, true_states
@@ -17,11 +17,13 @@ from sdr_spoof.aiding.rate_config import RateConfig
 from sdr_spoof.scenario.sky import earth
 
 from . import published
-from .flights import BETWEEN_S, flight
+from .flights import ACROSS_M_S2, BETWEEN_S, flight
 from .simulated import dilution
 from .strapdown_runs import RATE_HZ, imu
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from numpy.typing import NDArray
 
     from sdr_spoof.aiding.strapdown import RunStates
@@ -31,6 +33,8 @@ if TYPE_CHECKING:
 CARRIER_M = 0.005
 FIRST_S, LAST_S = 10, 1740
 """Drags begin between; the search tests from 5 s on."""
+BASELINE, MEAN = 60, 10
+"""Of the local test, seconds."""
 PATIENCE_S = 60
 """What is not found by then is missed."""
 LEVELS_PER_HOUR = (3.6, 1.0, 0.1, 0.01)
@@ -53,6 +57,7 @@ class Case:
     """Runs for each IMU and drag, with onsets and directions of their own."""
     flight: int
     between_s: float = BETWEEN_S
+    across_m_s2: tuple[float, float] = ACROSS_M_S2
     first_s: int = FIRST_S
     """Earliest onset."""
 
@@ -78,17 +83,27 @@ class Flown:
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """Of one flight."""
+class Judged:
+    """One detector on one flight."""
 
     hours: float
     """Clean, tested."""
     alarms: tuple[int, ...]
     """Clean alarms at ``LEVELS_PER_HOUR``; those within an onset window count once."""
     delay_s: Floats
-    """From onset to alarm at the default threshold, infinite if missed, (IMUs, drags, runs)."""
+    """From onset to alarm at 0.01 alarms an hour, infinite if missed, (IMUs, drags, runs)."""
     early: int
     """Alarms before the drag, of all attacked runs."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Of one flight."""
+
+    drag: Judged
+    """``rate_drag``"""
+    local: Judged
+    """``rate_local``; it tests from 70 s on."""
     turning: NDArray[np.bool_]
     """Whether the flight turned at the onset, (IMUs, drags, runs)."""
     onset_s: Floats
@@ -97,7 +112,7 @@ class Outcome:
 def flown(case: Case, seed: int) -> Flown:
     """One flight, clean and with every drag."""
     config = RateConfig(grade=case.grade, carrier_sigma_m=CARRIER_M, **PERFECT)
-    way = flight(case.flight, case.between_s)
+    way = flight(case.flight, case.between_s, case.across_m_s2)
     log = ideal_increments(way, published.DURATION_S, RATE_HZ)
     errors = [imu(case.grade, case.flight * case.imus + run, seed) for run in range(case.imus)]
     states = strapdown.navigate_runs(log, true_states(way, np.zeros(1)), errors, every=RATE_HZ)
@@ -113,23 +128,29 @@ def flown(case: Case, seed: int) -> Flown:
 
 
 def fly(case: Case, seed: int) -> Outcome:
-    """One flight with all its runs, through ``rate_drag``."""
+    """One flight with all its runs, through ``rate_drag`` and ``rate_local``."""
     of = flown(case, seed)
-    quiet, found = searched(of, of.clean_m), searched(of, of.attacked_m)
-    delay, early = delays(found, of.onset, rate_drag.threshold(of.config, 1.0))
-    window = round(of.config.onset_window_s)
+    drag_levels = [float(chi2.isf(h / 3600 / rate_drag.INDEPENDENT, 3)) for h in LEVELS_PER_HOUR]
+    local_levels = [float(norm.isf(h / 3600 / 3 / 2)) for h in LEVELS_PER_HOUR]
     return Outcome(
-        float(np.isfinite(quiet).sum() / 3600),
-        tuple(_clumps(quiet, level, window) for level in _levels()),
-        delay,
-        early,
+        _judged(of, searched, drag_levels),
+        _judged(of, local_with_covariance, local_levels),
         of.turning[of.onset],
         of.onset.astype(float),
     )
 
 
-def _levels() -> list[float]:
-    return [float(chi2.isf(h / 3600 / rate_drag.INDEPENDENT, 3)) for h in LEVELS_PER_HOUR]
+def _judged(
+    of: Flown, statistic: Callable[[Flown, Floats], Floats], levels: Sequence[float]
+) -> Judged:
+    """One detector; its thresholds for ``LEVELS_PER_HOUR``, the last one in use."""
+    quiet, found = statistic(of, of.clean_m), statistic(of, of.attacked_m)
+    window = round(of.config.onset_window_s)
+    return Judged(
+        float(np.isfinite(quiet).sum() / 3600),
+        tuple(_clumps(quiet, level, window) for level in levels),
+        *delays(found, of.onset, levels[-1]),
+    )
 
 
 def _noise(rng: np.random.Generator, axes: Floats, runs: tuple[int, int]) -> Floats:
@@ -172,6 +193,37 @@ def searched(of: Flown, position: Floats) -> Floats:
         np.ones(time_s.size, bool),
     )
     return search(given, steps_of(of), round(of.config.onset_window_s)).statistic
+
+
+def local_with_covariance(of: Flown, position: Floats) -> Floats:
+    """GNSS minus INS positions (IMUs, R, M, 3) through ``rate_local``: its largest axis."""
+    steps = steps_of(of)
+    covariance = growth.covariances(steps)
+    sigma = np.stack([_local_sigma(of, steps, covariance, k) for k in range(len(covariance))])
+    value = local_mean.statistic(rates(of, position), MEAN, BASELINE)
+    return np.asarray((np.abs(value) / sigma[:, None]).max(axis=2))
+
+
+def _local_sigma(of: Flown, steps: growth.Steps, covariance: Floats, imu: int) -> Floats:
+    """Of one INS, in deviations of one rate, (3, M)."""
+    one = growth.Steps(
+        steps.transition[imu], steps.noise[imu], steps.start[imu], steps.gained[imu], steps.aligned
+    )
+    drift = rate_local.ins_variance(one, covariance[imu], MEAN, BASELINE)
+    carried = np.einsum("mij,mjl,mil->im", of.axes, drift, of.axes) / noise_m_s()[:, None] ** 2
+    return np.asarray(np.sqrt(local_mean.variance_factor(MEAN, BASELINE) + carried))
+
+
+def rates(of: Flown, position: Floats) -> Floats:
+    """East, north, up over their noise, (K, R, 3, M); NaN at the first second."""
+    moved = np.diff(position, axis=2, prepend=np.nan)
+    local = np.einsum("mij,krmj->krim", of.axes, moved)
+    return np.asarray(local / noise_m_s()[:, None])
+
+
+def noise_m_s() -> Floats:
+    """Of the rate over a second, two phases, east, north, up (3,)."""
+    return np.asarray(np.sqrt(2 * np.diag(dilution())) * CARRIER_M)
 
 
 def _clumps(statistic: Floats, level: float, window: int) -> int:

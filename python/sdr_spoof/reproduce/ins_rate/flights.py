@@ -58,13 +58,17 @@ class Sampled:
         return len(self.velocity_m_s)
 
 
-def flight(number: int, between_s: float = BETWEEN_S) -> Trajectory:
+def flight(
+    number: int,
+    between_s: float = BETWEEN_S,
+    across_m_s2: tuple[float, float] = ACROSS_M_S2,
+) -> Trajectory:
     """One random flight; ``between_s`` infinite: it never turns."""
     rng = np.random.default_rng([SEED, number])
     legs = [Leg(STRAIGHT_S)]
     while between_s < np.inf and sum(leg.duration_s for leg in legs) < DURATION_S:
         legs.append(Leg(2.0 + float(rng.exponential(between_s))))
-        across = rng.uniform(*ACROSS_M_S2)
+        across = rng.uniform(*across_m_s2)
         angle = np.radians(rng.uniform(*TURN_DEG))
         turned = float(angle * rng.choice([-1.0, 1.0]))
         legs.append(Leg(float(angle * SPEED_M_S / across), heading_rad=turned))

@@ -16,11 +16,21 @@ import numpy as np
 from scipy.stats import chi2, norm
 
 from sdr_spoof import decision
-from sdr_spoof.aiding.detectors import growth, local_mean, rate_drag, rate_local
+from sdr_spoof.aiding.detectors import growth, local_mean, rate_drag
 
 from . import published
-from .drag_runs import CARRIER_M, Case, Flown, flown, searched, steps_of
-from .simulated import dilution
+from .drag_runs import (
+    BASELINE,
+    MEAN,
+    Case,
+    Flown,
+    flown,
+    local_with_covariance,
+    noise_m_s,
+    rates,
+    searched,
+    steps_of,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -29,7 +39,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-BASELINE, MEAN = 60, 10
 FIRST_S, LAST_S, WINDOW_S = 300, 1740, 10
 """Clean seconds that are tested, in windows: all rules are trained by then."""
 STATED = 0.01
@@ -69,18 +78,6 @@ class Judged:
     """Statistic from the onset on, (K, R, :data:`PATIENCE_S` + 1), NaN where none."""
 
 
-def rates(of: Flown, position: Floats) -> Floats:
-    """East, north, up over their noise, (K, R, 3, M); NaN at the first second."""
-    moved = np.diff(position, axis=2, prepend=np.nan)
-    local = np.einsum("mij,krmj->krim", of.axes, moved)
-    return np.asarray(local / noise_m_s()[:, None])
-
-
-def noise_m_s() -> Floats:
-    """Of the rate over a second, two phases, east, north, up (3,)."""
-    return np.asarray(np.sqrt(2 * np.diag(dilution())) * CARRIER_M)
-
-
 def differenced(z: Floats) -> Floats:
     """Each epoch minus a line through those before, over what the noise makes of that."""
     values = local_mean.statistic(z, 1, BASELINE)
@@ -106,25 +103,6 @@ def with_covariance(of: Flown, position: Floats) -> Floats:
     carried = np.einsum("mij,kmjl,mil->kim", of.axes, moved, of.axes)
     sigma = np.sqrt(noise_m_s()[:, None] ** 2 + carried) / noise_m_s()[:, None]
     return _largest(np.abs(rates(of, position)) / sigma[:, None])
-
-
-def local_with_covariance(of: Flown, position: Floats) -> Floats:
-    """The mean against the line before it, likewise: ``rate_local``."""
-    steps = steps_of(of)
-    covariance = growth.covariances(steps)
-    sigma = np.stack([_local_sigma(of, steps, covariance, k) for k in range(len(covariance))])
-    value = local_mean.statistic(rates(of, position), MEAN, BASELINE)
-    return _largest(np.abs(value) / sigma[:, None])
-
-
-def _local_sigma(of: Flown, steps: growth.Steps, covariance: Floats, imu: int) -> Floats:
-    """Of one INS, in deviations of one rate, (3, M)."""
-    one = growth.Steps(
-        steps.transition[imu], steps.noise[imu], steps.start[imu], steps.gained[imu], steps.aligned
-    )
-    drift = rate_local.ins_variance(one, covariance[imu], MEAN, BASELINE)
-    carried = np.einsum("mij,mjl,mil->im", of.axes, drift, of.axes) / noise_m_s()[:, None] ** 2
-    return np.asarray(np.sqrt(local_mean.variance_factor(MEAN, BASELINE) + carried))
 
 
 def _trained() -> SequentialRule[Any]:

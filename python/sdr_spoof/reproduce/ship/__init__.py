@@ -44,4 +44,5 @@ STUDY = Study(
     sections=sections,
     full_runs=100,
     quick_runs=10,
+    seeded=True,
 )

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from sdr_spoof.aiding.tight import TightConfig, TightSolution
+    from sdr_spoof.reproduce.study import Effort
 
     from .attacks import Named
 
@@ -58,10 +59,10 @@ class Outcome:
         return float(np.median(np.where(np.isnan(self.delay_s), np.inf, self.delay_s)))
 
 
-def outcome(named: Named, count: int, threads: int, config: TightConfig | None = None) -> Outcome:
+def outcome(named: Named, effort: Effort, config: TightConfig | None = None) -> Outcome:
     """Run an attack."""
-    case = Case((named.attack,), config=config or default_set(), runs=count)
-    everything = list(runs(case, threads))
+    case = Case((named.attack,), config=config or default_set(), runs=effort.runs)
+    everything = list(runs(case, effort))
     # A run in which a false alarm lasts says nothing of this attack.
     made = [s for s in everything if s.state[BEGIN - 1] == 1]
     error = np.array([horizontal_m(s) for s in made])

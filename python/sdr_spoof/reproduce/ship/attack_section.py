@@ -37,7 +37,7 @@ def section(effort: Effort, stages: Stages) -> Section:
     found = []
     with stages("Attacks") as progress:
         for done, named in enumerate(chosen, 1):
-            found.append(outcome(named, effort.runs, effort.threads))
+            found.append(outcome(named, effort))
             if progress:
                 progress(done, len(chosen))
     return Section(
@@ -76,8 +76,8 @@ def floor_section(effort: Effort, stages: Stages) -> Section:
     rows: list[Sequence[Cell]] = []
     with stages("Floor and carrier phase") as progress:
         for done, named in enumerate(cases, 1):
-            plain = outcome(named, effort.runs, effort.threads)
-            phase = outcome(named, effort.runs, effort.threads, config)
+            plain = outcome(named, effort)
+            phase = outcome(named, effort, config)
             rows.append([named.title, *_brief(plain), *_brief(phase)])
             if named.name == "all_0.001_s2":
                 said = plain.said

@@ -59,7 +59,7 @@ def nees(errors: Floats, covariance: Floats) -> Floats:
 def tally(effort: Effort, count: int) -> Tally:
     """The default set on clean runs."""
     found = Tally([], [], [])
-    for s in runs(Case(runs=count, first=FIRST), effort.threads):
+    for s in runs(Case(runs=count, first=FIRST), effort):
         _add(found, s)
     return found
 
@@ -83,7 +83,7 @@ def white(effort: Effort) -> tuple[float, float]:
     config = as_published(17, exclusion="off")
     squares, innovations = [], []
     case = Case(config=config, runs=max(WHITE_RUNS, effort.runs // 5), first=FIRST)
-    for s in runs(case, effort.threads, detailed=True):
+    for s in runs(case, effort, detailed=True):
         squares.append((horizontal_m(s)[SETTLED:] ** 2).mean())
         range_part = (s.range_innovation_m / s.range_sigma_m) ** 2
         rate_part = (s.rate_innovation_m_s / s.rate_sigma_m_s) ** 2

@@ -41,7 +41,7 @@ def config(grade: str, states: Literal[17, 11], **other: Any) -> TightConfig:
     return default_set(exclusion="off", **ours, **other)
 
 
-def drift(grade: str, states: Literal[17, 11], count: int, threads: int) -> tuple[Floats, Floats]:
+def drift(grade: str, states: Literal[17, 11], count: int, effort: Effort) -> tuple[Floats, Floats]:
     """Errors of each run after the times of the study (R, 4), and the filter's sigma (4,)."""
     case = Case(
         grade=f"ship-{grade.lower()}",
@@ -50,7 +50,7 @@ def drift(grade: str, states: Literal[17, 11], count: int, threads: int) -> tupl
     )
     at = [round(ATTACK_S[0]) + s for s in published.COASTING_S]
     errors, sigmas = [], []
-    for solution in runs(case, threads):
+    for solution in runs(case, effort):
         errors.append(horizontal_m(solution)[at])
         sigmas.append(solution.horizontal_sigma_m[at])
     return np.array(errors), np.mean(sigmas, axis=0)
@@ -64,7 +64,7 @@ def section(effort: Effort, stages: Stages) -> Section:
     with stages("Coasting") as progress:
         for done, (key, wanted) in enumerate(published.COASTING_M.items(), 1):
             grade, states = key
-            found, sigma = drift(grade, states, count, effort.threads)  # type: ignore[arg-type]
+            found, sigma = drift(grade, states, count, effort)  # type: ignore[arg-type]
             median = np.median(found, axis=0)
             name = f"{grade}, {states} states"
             rows.append([name, "found, median", *(float(v) for v in median)])

@@ -34,14 +34,14 @@ DRAGS = {0.2: "all_0.2", 0.5: "all_0.5", 1.0: "all_1", 2.0: "all_2"}
 
 
 @lru_cache(maxsize=1)
-def divisors(threads: int) -> dict[str, tuple[float, float, float, float]]:
+def divisors(effort: Effort) -> dict[str, tuple[float, float, float, float]]:
     """Of R of position, velocity, pseudorange and rate: as printed, and self-normalised."""
     largest: list[Floats] = []
     own: list[Floats] = []
     for length, into in ((2, largest), (10, own)):
         config = as_published(11, exclusion="off", statistic_length=length)
         case = Case(config=config, runs=CALIBRATION_RUNS, first=CALIBRATION_FIRST)
-        for s in runs(case, threads, detailed=True):
+        for s in runs(case, effort, detailed=True):
             into.append(_largest(s))
     # Two epochs in a row hold the largest deviation: half of its square at least.
     printed = 2.0 * np.max(largest, axis=0)
@@ -67,7 +67,7 @@ def section(effort: Effort, stages: Stages) -> Section:
     numbers: list[Number] = []
     drawn: dict[str, Floats] = {}
     with stages("As published") as progress:
-        kinds = divisors(effort.threads)
+        kinds = divisors(effort)
         for done, (speed, name) in enumerate(DRAGS.items(), 1):
             for how in ("off", "printed", "self-normalised"):
                 if effort.quick and how == "self-normalised":
@@ -78,7 +78,7 @@ def section(effort: Effort, stages: Stages) -> Section:
                     divisors=kinds["printed" if how == "off" else how],
                 )
                 case = Case((attacks[name],), config=config, runs=count)
-                made = list(runs(case, effort.threads, detailed=True))
+                made = list(runs(case, effort, detailed=True))
                 error = np.array([horizontal_m(s) for s in made])
                 rows.append([f"{speed:g} m/s", how, *_row(made, error)])
                 drawn[f"{speed:g} {how}"] = np.median(error, axis=0)

@@ -13,6 +13,7 @@ from sdr_spoof.aiding.imu.simulate import ideal_increments, true_states
 from sdr_spoof.aiding.simulated import ReceiverNoise, fixed, simulate
 from sdr_spoof.aiding.tight import Start, TightConfig, TightSolution, run_many
 from sdr_spoof.aiding.tight.solution import local
+from sdr_spoof.reproduce.study import Effort
 from sdr_spoof.scenario.sky.ship import Ship
 
 if TYPE_CHECKING:
@@ -47,6 +48,9 @@ CLOCK_DRIFT_M2_S3 = 0.0004
 """Of the receiver's clock; a TCXO by the study."""
 CHUNK = 20
 """Runs in memory at a time."""
+APART = 100_000
+"""Numbers of runs of one seed."""
+ONE_THREAD = Effort(1)
 
 
 def default_set(**other: Any) -> TightConfig:
@@ -87,11 +91,14 @@ def voyage(duration_s: float = DURATION_S, interval_s: float = 1.0) -> Voyage:
     return Voyage(log, true_states(trajectory, time_s), time_s)
 
 
-def runs(case: Case, threads: int = 1, *, detailed: bool = False) -> Iterator[TightSolution]:
-    """Solutions of all runs, one after another."""
-    for first in range(case.first, case.first + case.runs, CHUNK):
-        count = min(CHUNK, case.first + case.runs - first)
-        yield from _chunk(case, first, count, threads, detailed)
+def runs(
+    case: Case, effort: Effort = ONE_THREAD, *, detailed: bool = False
+) -> Iterator[TightSolution]:
+    """Solutions of all runs, one after another, with the threads and the seed of an effort."""
+    begin = case.first + APART * effort.seed
+    for first in range(begin, begin + case.runs, CHUNK):
+        count = min(CHUNK, begin + case.runs - first)
+        yield from _chunk(case, first, count, effort.threads, detailed)
 
 
 def _chunk(

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from sdr_spoof import _core
     from sdr_spoof.nav.ephemeris import Ephemeris
+    from sdr_spoof.nav.integrity import GridPoint
     from sdr_spoof.nav.time import GnssTime
 
     from .table import SkyTable
@@ -105,6 +106,11 @@ class Sky:
                 f"{', '.join(self.table.signals)}; lower it, or correct receiver, start or signals"
             )
         return tuple(sorted(found, key=lambda s: (s.system, s.prn)))
+
+    @cached_property
+    def grid(self) -> tuple[GridPoint, ...]:
+        """What geostationary BDS satellites tell of the ionosphere, where they do: at the start."""
+        return self.propagation.grid(self.start) if self.table.ionosphere_grid else ()
 
     def view(
         self,

@@ -10,6 +10,8 @@ import numpy as np
 from sdr_spoof.nav.atmosphere import gpst_s, ionosphere_m, troposphere_m
 from sdr_spoof.nav.broadcast import Bdgim, Klobuchar
 from sdr_spoof.nav.geodesy import ecef_to_geodetic
+from sdr_spoof.nav.integrity import IGPS, GridPoint, place_deg
+from sdr_spoof.signals import signal_spec
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -95,6 +97,18 @@ class Propagation:
             none if model is None else ionosphere_m(model, place, look, instants, REFERENCE_HZ),
             troposphere_m(place, look, instants) if self.troposphere else none,
         )
+
+    def grid(self, time: GnssTime) -> tuple[GridPoint, ...]:
+        """Vertical delays of B1I over the points that D2 tells of; none without a model."""
+        model = self._model("C")
+        if model is None:
+            return ()
+        numbers = range(1, IGPS + 1)
+        places = np.array([(*place_deg(igp), 0.0) for igp in numbers])
+        up = np.tile([0.0, 90.0], (IGPS, 1))
+        instants = gpst_s(time, np.zeros(IGPS))
+        delays = ionosphere_m(model, places, up, instants, signal_spec("B1I").carrier_hz)
+        return tuple(GridPoint(igp, d, 0) for igp, d in zip(numbers, delays.tolist(), strict=True))
 
     def _model(self, system: str) -> Ionosphere | None:
         if self.model == "klobuchar":

@@ -45,6 +45,20 @@ class SatelliteOverride(BaseModel):
         None, ge=-409.5, le=409.5, description="likewise, equivalent clock correction"
     )
 
+    @property
+    def judged(self) -> bool:
+        """Whether geostationary satellites tell of it."""
+        return (self.udrei, self.rurai, self.correction_m) != (None, None, None)
+
+    @model_validator(mode="after")
+    def _of_bds(self) -> Self:
+        if self.judged and self.system != "C":
+            raise ValueError(
+                f"udrei, rurai, correction_m: only BDS satellites are judged in D2, not "
+                f"{self.system}{self.prn:02d}; leave them out"
+            )
+        return self
+
 
 class SkyTable(BaseModel):
     """Time, place, satellites and propagation: table ``[sky]``."""
@@ -82,6 +96,11 @@ class SkyTable(BaseModel):
         "klobuchar",
         description="delay of codes, advance of carriers: none; klobuchar (for each system in the "
         "form of its own message); bdgim",
+    )
+    ionosphere_grid: bool = Field(
+        False,
+        description="geostationary BDS satellites send the grid of the ionosphere (D2), as it is "
+        "at the start",
     )
     klobuchar_alpha: tuple[float, float, float, float] | None = Field(
         None, description="instead of those of the navigation file"
@@ -153,7 +172,7 @@ class SkyTable(BaseModel):
                 correction_m=math.nan if s.correction_m is None else s.correction_m,
             )
             for s in self.satellite
-            if s.system == "C" and (s.udrei, s.rurai, s.correction_m) != (None, None, None)
+            if s.judged
         )
 
     def trajectory(self, duration_s: float, *, reference: bool = False) -> Trajectory:

@@ -146,6 +146,7 @@ class Track:
             bdgim=propagation.bdgim,
             utc=next(utc, None),
             integrity=self.sky.table.integrity,
+            grid=self.sky.grid,
         )
 
     def _spline(self, carrier_hz: float) -> _core.Spline:

@@ -5,8 +5,10 @@
 
 pub mod bch15;
 pub mod bch_b1c;
+pub mod beidou_subframe;
 pub mod cnav1;
 pub mod crc24q;
+mod doubt;
 mod gf64;
 pub mod interleaver;
 pub mod ldpc64;
@@ -14,6 +16,7 @@ mod ldpc64_check;
 mod ldpc64_tables;
 mod noise;
 
+pub use doubt::doubt;
 pub use noise::{estimate as estimate_noise, Level};
 
 /// A soft value's bit.

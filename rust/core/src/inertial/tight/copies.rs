@@ -31,12 +31,19 @@ pub struct Copy {
 pub type Separation = [f64; 2];
 
 impl Copy {
-    fn new(covariance: &Square, time: f64) -> Self {
+    /// Parts from the navigator now.
+    pub fn new(covariance: &Square, time: f64) -> Self {
         Copy {
             difference: [0.0; NAV],
             covariance: *covariance,
             born: time,
         }
+    }
+
+    /// Moves on in time.
+    pub fn predict(&mut self, step: &Transition, work: &mut [f64]) {
+        step.carry(&mut self.difference);
+        step.spread(self.covariance.as_flattened_mut(), NAV, work);
     }
 
     /// How unlikely its distance from the navigator is; `slack` times the navigator's covariance
@@ -96,9 +103,7 @@ impl Copies {
     /// Moves on in time.
     pub fn predict(&mut self, step: &Transition) {
         for copy in self.pairs.iter_mut().flatten() {
-            step.carry(&mut copy.difference);
-            let flat = copy.covariance.as_flattened_mut();
-            step.spread(flat, NAV, &mut self.work);
+            copy.predict(step, &mut self.work);
         }
     }
 

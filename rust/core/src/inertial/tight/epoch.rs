@@ -74,3 +74,14 @@ pub enum Kind {
     /// Pseudorange.
     Range,
 }
+
+/// Median interval between epochs, s.
+pub fn usual_interval(times: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = times
+        .windows(2)
+        .map(|w| w[1] - w[0])
+        .filter(|s| *s > 0.0)
+        .collect();
+    steps.sort_unstable_by(f64::total_cmp);
+    steps.get(steps.len() / 2).copied().unwrap_or(1.0)
+}

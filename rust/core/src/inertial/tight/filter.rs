@@ -2,6 +2,7 @@
 
 use super::covariance::{take_off, Row, Square, Transition, WORK_ROWS};
 use super::settings::{ReceiverNoise, Settings};
+use super::subsets::Subsets;
 use super::tape::Tape;
 use super::{ACCELEROMETER, ATTITUDE, CLOCK, DRIFT, GYRO, NAV, POSITION, VELOCITY};
 
@@ -63,6 +64,8 @@ pub struct ErrorFilter {
     pub x: Vec<f64>,
     /// Where the run is recorded for the smoother, if it is.
     pub tape: Option<Box<Tape>>,
+    /// The same without one satellite each, if they are asked for.
+    pub subsets: Option<Box<Subsets>>,
     gain: Vec<f64>,
     work: Vec<f64>,
     wander: f64,
@@ -82,6 +85,7 @@ impl ErrorFilter {
             p: vec![0.0; n * n],
             x: vec![0.0; n],
             tape: None,
+            subsets: None,
             gain: vec![0.0; n],
             work: vec![0.0; n * WORK_ROWS],
             wander: settings.receiver.wander,
@@ -131,8 +135,24 @@ impl ErrorFilter {
         self.x.fill(0.0);
     }
 
+    /// The same as it is now, without a record and without subsets.
+    pub fn alone(&self) -> Self {
+        ErrorFilter {
+            p: self.p.clone(),
+            x: self.x.clone(),
+            tape: None,
+            subsets: None,
+            gain: self.gain.clone(),
+            work: self.work.clone(),
+            ..*self
+        }
+    }
+
     /// Moves on in time.
     pub fn predict(&mut self, step: &Transition) {
+        if let Some(subsets) = &mut self.subsets {
+            subsets.predict(step);
+        }
         let n = self.layout.count;
         let (navigation, behind) = self.x.split_at_mut(NAV);
         step.carry(navigation.try_into().expect("navigation states"));
@@ -193,8 +213,35 @@ impl ErrorFilter {
         found
     }
 
+    /// The same by a certain satellite, which one of the subsets does without.
+    pub fn update_by(
+        &mut self,
+        satellite: usize,
+        row: &Row,
+        deviation: f64,
+        variance: f64,
+        robust: f64,
+    ) -> Innovation {
+        if let Some(mut subsets) = self.subsets.take() {
+            subsets.used(satellite, self, (row, deviation, variance), robust);
+            self.subsets = Some(subsets);
+        }
+        self.update(row, deviation, variance, robust)
+    }
+
+    /// The errors found have been taken off the navigator.
+    pub fn taken_off(&mut self) {
+        if let Some(subsets) = &mut self.subsets {
+            subsets.corrected(&self.x);
+        }
+        self.x.fill(0.0);
+    }
+
     /// Remembers position and clock for the change to the next epoch.
     pub fn remember(&mut self) {
+        if let Some(subsets) = &mut self.subsets {
+            subsets.each().for_each(ErrorFilter::remember);
+        }
         let Some(past) = self.layout.past else {
             return;
         };
@@ -228,10 +275,17 @@ impl ErrorFilter {
             self.p[row * n..row * n + NAV].copy_from_slice(values);
         }
         self.forget_behind();
+        if let Some(subsets) = &mut self.subsets {
+            subsets.clear();
+        }
     }
 
     /// Adds to the variances of three states from `first` on.
     pub fn widen(&mut self, first: usize, count: usize, variance: f64) {
+        if let Some(subsets) = &mut self.subsets {
+            let each = subsets.each();
+            each.for_each(|filter| filter.widen(first, count, variance));
+        }
         let n = self.layout.count;
         for k in first..first + count {
             self.p[k * n + k] += variance;

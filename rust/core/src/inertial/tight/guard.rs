@@ -3,7 +3,13 @@
 //! Pure logic: it sees what the tests say of an epoch and answers what is to be done. The diagram
 //! is in `docs/design.md`.
 
+use self::watch::Watch;
 use super::decide::Agreement;
+
+mod rules;
+mod watch;
+
+pub use rules::Rules;
 
 /// States of the guard.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,8 +50,10 @@ pub struct Evidence {
     pub back: u64,
     /// Step of the fix against the INS in standard deviations.
     pub jump: f64,
-    /// The tests have gone on growing since the alarm.
+    /// What came since the alarm is an alarm of its own.
     pub confirmed: bool,
+    /// What came since the alarm is what comes without an attack.
+    pub acquits: bool,
 }
 
 /// What is to be done.
@@ -65,63 +73,6 @@ pub enum Action {
     Coast,
 }
 
-/// Time, s, and size constants of the rules.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rules {
-    /// No test before.
-    pub settle: f64,
-    /// Least time before a subset is named.
-    pub least_decision: f64,
-    /// A subset must be named so many times in a row.
-    pub confirmations: usize,
-    /// When the search for a subset ends.
-    pub decision: f64,
-    /// A return by a step counts from so long after the alarm.
-    pub after_alarm: f64,
-    /// How long all must agree after a step back.
-    pub dwell_after_step: f64,
-    /// How long all must agree for the alarm to have been false.
-    pub dwell: f64,
-    /// An alarm may turn out to be false so long.
-    pub pardon: f64,
-    /// It takes so long for an alarm to be confirmed.
-    pub doubt: f64,
-    /// How long an excluded satellite must agree.
-    pub dwell_satellite: f64,
-    /// Satellites agree with one another below this deviate.
-    pub inside: f64,
-    /// Agreement of everything: the INS alone may be further off than once in a hundred times.
-    pub near: f64,
-    /// The clock alone is off if agreement without it is better by this.
-    pub outside: f64,
-    /// A step of the fix against the INS is at least so many standard deviations.
-    pub jump: f64,
-    /// After a step back all agree within so long.
-    pub settles: f64,
-}
-
-impl Default for Rules {
-    fn default() -> Self {
-        Rules {
-            settle: 60.0,
-            least_decision: 5.0,
-            confirmations: 3,
-            decision: 60.0,
-            after_alarm: 10.0,
-            dwell_after_step: 20.0,
-            dwell: 40.0,
-            pardon: 600.0,
-            doubt: 150.0,
-            dwell_satellite: 20.0,
-            inside: 3.33,
-            near: 3.5,
-            outside: 4.0,
-            jump: 7.0,
-            settles: 20.0,
-        }
-    }
-}
-
 /// The state machine.
 #[derive(Debug, Clone)]
 pub struct Guard {
@@ -131,14 +82,9 @@ pub struct Guard {
     excluded: u64,
     alarmed: f64,
     named: (u64, usize),
-    /// Since when all agree, position only, and each excluded satellite.
-    inside: Option<f64>,
-    inside_position: Option<f64>,
+    /// Since when each excluded satellite agrees.
     back: Vec<Option<f64>>,
-    /// When the fix stepped against the INS last.
-    jumped: f64,
-    /// Since when all are near after a step back.
-    stepped: Option<f64>,
+    watch: Watch,
 }
 
 impl Guard {
@@ -151,11 +97,8 @@ impl Guard {
             excluded: 0,
             alarmed: f64::NAN,
             named: (0, 0),
-            inside: None,
-            inside_position: None,
             back: vec![None; satellites],
-            jumped: f64::NEG_INFINITY,
-            stepped: None,
+            watch: Watch::default(),
         }
     }
 
@@ -209,8 +152,7 @@ impl Guard {
         self.excluded = 0;
         self.alarmed = time;
         self.named = (0, 0);
-        (self.inside, self.inside_position) = (None, None);
-        (self.jumped, self.stepped) = (f64::NEG_INFINITY, None);
+        self.watch = Watch::default();
         self.back.fill(None);
         Action::TakeBack(alarm.age)
     }
@@ -238,7 +180,7 @@ impl Guard {
     }
 
     fn deciding(&mut self, seen: &Evidence) -> Action {
-        self.watch(seen);
+        self.watch.push(seen, &self.rules, self.alarmed);
         if let Some(action) = self.pardoned(seen) {
             return action;
         }
@@ -255,7 +197,7 @@ impl Guard {
     }
 
     fn coasting(&mut self, seen: &Evidence) -> Action {
-        self.watch(seen);
+        self.watch.push(seen, &self.rules, self.alarmed);
         self.pardoned(seen).unwrap_or(Action::None)
     }
 
@@ -270,44 +212,9 @@ impl Guard {
         (ripe && self.named.1 >= self.rules.confirmations).then_some(self.named.0)
     }
 
-    /// Notes since when all satellites agree with the INS, and whether they came back by a step.
-    fn watch(&mut self, seen: &Evidence) {
-        let Some(said) = seen.agreement else {
-            (self.inside, self.inside_position, self.stepped) = (None, None, None);
-            return;
-        };
-        let r = self.rules;
-        let mutual = said.mutual < r.inside;
-        let inside = mutual && said.inertial < r.near;
-        self.inside = inside.then(|| self.inside.unwrap_or(seen.time));
-        let clock_alone =
-            mutual && said.position < r.near && said.inertial > said.position + r.outside;
-        self.inside_position = clock_alone.then(|| self.inside_position.unwrap_or(seen.time));
-        if seen.jump > r.jump && seen.time - self.alarmed > r.after_alarm {
-            self.jumped = seen.time;
-        }
-        let recent = seen.time - self.jumped <= r.settles;
-        self.stepped = match self.stepped {
-            _ if !inside => None,
-            None if recent => Some(seen.time),
-            since => since,
-        };
-    }
-
     fn pardoned(&mut self, seen: &Evidence) -> Option<Action> {
-        let (r, time) = (self.rules, seen.time);
-        let lasts = |since: Option<f64>| since.map_or(-1.0, |s| time - s);
-        let early = time - self.alarmed <= r.pardon;
-        // The uncertainty of the INS grows over slow drags: agreement alone does not acquit.
-        let doubtful = !seen.confirmed && time - self.alarmed >= r.doubt;
-        let (all, clock) = (lasts(self.inside), lasts(self.inside_position));
-        if lasts(self.stepped) >= r.dwell_after_step || early && doubtful && all >= r.dwell {
-            return Some(self.readmit(Action::Readmit));
-        }
-        if early && clock >= r.dwell_satellite {
-            return Some(self.readmit(Action::ReadmitWithClock));
-        }
-        None
+        let action = self.watch.pardon(seen, &self.rules, self.alarmed)?;
+        Some(self.readmit(action))
     }
 
     fn readmit(&mut self, action: Action) -> Action {

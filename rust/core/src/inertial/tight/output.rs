@@ -3,6 +3,7 @@
 use super::guard::State;
 use super::smooth::Smoothed;
 use super::statistics::{Forms, Panel};
+use super::subsets::Apart;
 use super::{ATTITUDE, CLOCK, POSITION, VELOCITY};
 
 /// What a satellite's measurements were used for.
@@ -76,6 +77,8 @@ pub struct Output {
     pub events: Vec<Event>,
     /// From all that was measured before and after each epoch, if it was asked for.
     pub smoothed: Option<Smoothed>,
+    /// Filters without each satellite against the whole one; none unless they were asked for.
+    pub apart: Vec<Apart>,
 }
 
 impl Output {
@@ -101,6 +104,7 @@ impl Output {
             state: Vec::with_capacity(epochs),
             events: Vec::new(),
             smoothed: None,
+            apart: Vec::new(),
         }
     }
 

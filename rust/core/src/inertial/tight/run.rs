@@ -9,6 +9,7 @@ use super::output::Output;
 pub use super::recording::{ImuLog, Measured, Run, Sky};
 use super::settings::Settings;
 use super::smooth::smooth;
+use super::subsets::Subsets;
 use super::supervisor::Supervisor;
 use super::tape::Tape;
 use crate::inertial::errors::ErrorStream;
@@ -78,7 +79,7 @@ impl<'a> Pilot<'a> {
     ) -> Self {
         let systems = sky.system.iter().max().map_or(1, |m| m + 1);
         let mut navigator = Navigator::new(run.start, settings, sky.satellites(), systems);
-        let supervisor = Supervisor::new(
+        let mut supervisor = Supervisor::new(
             settings,
             rules,
             &navigator,
@@ -93,6 +94,10 @@ impl<'a> Pilot<'a> {
             let count = run.measured.count();
             Box::new(Tape::new(settings, filter, start, epochs, count))
         });
+        if settings.subsets {
+            navigator.filter.subsets = Some(Box::new(Subsets::new(sky.satellites())));
+            supervisor.output.apart = vec![[f64::NAN; 4]; sky.time.len() * sky.satellites()];
+        }
         let mut errors = run.errors.map(|(e, number)| ErrorStream::new(&e, number));
         let next = log.time.partition_point(|&t| t <= start + SAME);
         if let Some(stream) = &mut errors {
@@ -138,6 +143,12 @@ impl<'a> Pilot<'a> {
             let filter = &mut self.navigator.filter;
             if let Some(tape) = &mut filter.tape {
                 tape.close(e, time, state, &filter.p);
+            }
+            if let Some(subsets) = &filter.subsets {
+                let row = &mut self.supervisor.output.apart[e * sky.satellites()..];
+                row.iter_mut()
+                    .zip(subsets.apart())
+                    .for_each(|(a, b)| *a = b);
             }
             before = Some(e);
         }

@@ -2,6 +2,8 @@
 
 use nalgebra::Vector3;
 
+use super::epoch::Epoch;
+
 /// Noise of an IMU as the filter takes it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImuNoise {
@@ -108,6 +110,13 @@ pub struct Testing {
     pub heed_receiver: bool,
 }
 
+impl Testing {
+    /// Whether the receiver calls a satellite spoofed, and that counts.
+    pub fn flags(&self, epoch: &Epoch<'_>, satellite: usize) -> bool {
+        self.heed_receiver && epoch.spoofed[satellite]
+    }
+}
+
 /// All of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
@@ -131,4 +140,6 @@ pub struct Settings {
     pub bridge: f64,
     /// Whether every epoch is also estimated from all that was measured before and after it.
     pub smooth: bool,
+    /// Whether a filter without each satellite runs beside the whole one.
+    pub subsets: bool,
 }

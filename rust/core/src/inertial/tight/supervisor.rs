@@ -2,53 +2,40 @@
 
 use nalgebra::Vector3;
 
-use super::alarms::{limit, CLOCKS, POWER, SEPARATION, TESTS, WINDOWS};
-use super::copies::{Copies, SPANS};
+use super::alarms::TESTS;
+use super::copies::Copies;
 use super::covariance::Transition;
-use super::decide::{Jury, Means};
-use super::epoch::{Deviations, Epoch, Kind};
+use super::epoch::{usual_interval, Deviations, Epoch, Kind};
 use super::fix::solve;
 use super::guard::{Action, Alarm, Evidence, Guard, Rules, State};
+use super::hearing::Hearing;
+use super::monitors::Monitors;
 use super::navigator::Navigator;
 use super::output::{Event, Output, Usage};
-use super::power::Power;
 use super::settings::{Mode, Settings};
 use super::shadow::Shadow;
 use super::statistics::Panel;
 use super::step::Steps;
-use super::windows::Windows;
+use super::windows::CLIP;
 
-/// One innovation counts no more than this, so that one glitch is no attack.
-const CLIP: f64 = 5.0;
-/// Means that decide who is wrong, s.
-const MEANS: f64 = 10.0;
 /// Copies are not renewed while a test is over this part of its threshold.
 const SUSPICION: f64 = 0.75;
-/// An alarm is confirmed so far beyond its threshold.
-const CERTAIN: f64 = 0.6;
-/// A single satellite agrees below so many standard deviations.
-const AGREES: f64 = 2.8;
 
 /// Everything around the navigator.
 pub struct Supervisor {
     settings: Settings,
     guard: Guard,
     copies: Copies,
-    windows: [Windows; 3],
+    monitors: Monitors,
     panel: Panel,
-    power: Power,
     shadow: Shadow,
-    confirmed: bool,
     steps: Steps,
     jump: f64,
-    means: Means,
-    jury: Jury,
+    hearing: Hearing,
     dev: Deviations,
     innovations: [Vec<f64>; 3],
     usage: Vec<Usage>,
-    deviates: [f64; TESTS],
-    interval: f64,
-    scratch: [Vec<f64>; 2],
+    cn0: Vec<f64>,
     detailed: bool,
     /// What has come out so far.
     pub output: Output,
@@ -65,31 +52,21 @@ impl Supervisor {
         satellites: usize,
         detailed: bool,
     ) -> Self {
-        let interval = typical(times);
-        let epochs = |s: &f64| ((s / interval).round() as usize).max(1);
-        let windows = WINDOWS.map(|w| {
-            let lengths: Vec<usize> = w.iter().map(epochs).collect();
-            Windows::new(&lengths, satellites)
-        });
+        let interval = usual_interval(times);
         Supervisor {
             settings: settings.clone(),
-            shadow: Shadow::new(&navigator.filter, &windows, satellites),
-            confirmed: false,
-            steps: Steps::new(interval, &settings.receiver),
-            jump: 0.0,
             guard: Guard::new(rules, start, satellites),
             copies: Copies::new(&navigator.filter.navigation(), start),
-            windows,
+            monitors: Monitors::new(interval, satellites),
             panel: Panel::new(settings.published, satellites),
-            power: Power::new(satellites),
-            means: Means::new(epochs(&MEANS), satellites),
-            jury: Jury::new(satellites),
+            shadow: Shadow::new(&navigator.filter, interval, satellites),
+            steps: Steps::new(interval, &settings.receiver),
+            jump: 0.0,
+            hearing: Hearing::new(interval, satellites),
             dev: Deviations::new(satellites),
             innovations: std::array::from_fn(|_| vec![f64::NAN; satellites]),
             usage: vec![Usage::Missing; satellites],
-            deviates: [0.0; TESTS],
-            interval,
-            scratch: std::array::from_fn(|_| vec![f64::NAN; satellites]),
+            cn0: vec![f64::NAN; satellites],
             detailed,
             output: Output::with_capacity(times.len(), satellites, TESTS, detailed),
         }
@@ -139,7 +116,7 @@ impl Supervisor {
         for (k, usage) in self.usage.iter_mut().enumerate() {
             let there = epoch.range[k].is_finite() || epoch.rate[k].is_finite();
             let out = coasts
-                || self.settings.testing.heed_receiver && epoch.spoofed[k]
+                || self.settings.testing.flags(epoch, k)
                 || all_out
                 || !self.guard.uses(k)
                 || printed && self.panel.satellite_over(k);
@@ -180,67 +157,31 @@ impl Supervisor {
         }
     }
 
-    /// Lets the shadow see the epoch, and notes whether it confirms the alarm.
+    /// Lets the shadow see the epoch.
     fn follow(&mut self, nav: &Navigator, epoch: &Epoch<'_>) {
-        if !self.shadow.active {
-            return;
+        if !self.guard.blind() {
+            self.shadow.end();
         }
         let testing = &self.settings.testing;
-        let flagged = |k: usize| testing.heed_receiver && epoch.spoofed[k];
-        let robust = testing.robust;
-        let largest = self
-            .shadow
-            .epoch(nav, epoch, &self.dev, flagged, robust, CLIP);
-        let t = &testing.thresholds;
-        let parted = self.shadow.separation(&nav.filter.navigation());
-        self.confirmed |=
-            parted > t[3] + CERTAIN || largest.iter().zip(t).any(|(z, limit)| *z > limit + CERTAIN);
-        self.shadow.active = !self.confirmed && self.guard.blind();
+        self.shadow.follow(nav, epoch, &self.dev, testing);
     }
 
     /// Deviates of all tests.
     fn test(&mut self, nav: &Navigator, epoch: &Epoch<'_>) {
-        let mut at = 0;
-        for (windows, innovations) in self.windows.iter_mut().zip(&self.innovations) {
-            windows.push(innovations);
-            for deviate in windows.deviates() {
-                self.deviates[at] = deviate;
-                at += 1;
-            }
+        for k in 0..self.cn0.len() {
+            let heard = self.guard.uses(k) && !self.settings.testing.flags(epoch, k);
+            self.cn0[k] = if heard { epoch.cn0[k] } else { f64::NAN };
         }
+        self.monitors.push(&self.innovations, &self.cn0);
         let now = nav.filter.navigation();
-        for span in 0..SPANS.len() {
-            let [place, clock] = self
-                .copies
-                .older(span)
-                .separation(&now, self.settings.testing.slack);
-            self.deviates[SEPARATION + span] = place;
-            self.deviates[CLOCKS + span] = clock;
-        }
-        for k in 0..self.usage.len() {
-            let heard = self.guard.uses(k) && !self.flagged(epoch, k);
-            self.scratch[0][k] = if heard { epoch.cn0[k] } else { f64::NAN };
-        }
-        self.deviates[POWER] = self.power.push(&self.scratch[0], self.interval);
-    }
-
-    fn limit_of(&self, test: usize) -> (f64, f64) {
-        limit(test, &self.settings.testing)
-    }
-
-    /// The test furthest over its threshold, as a share of it.
-    fn worst(&self) -> (usize, f64) {
-        let shares = (0..TESTS).map(|k| (k, self.deviates[k] / self.limit_of(k).0));
-        shares.fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a })
+        let slack = self.settings.testing.slack;
+        self.monitors.compare(&self.copies, &now, slack);
     }
 
     fn judge(&mut self, nav: &mut Navigator, epoch: &Epoch<'_>, fix: [[f64; 3]; 2]) {
-        let (test, share) = self.worst();
+        let (worst, share) = self.monitors.worst(&self.settings.testing);
         let usable = !self.guard.blind();
-        let alarm = (usable && share > 1.0).then(|| Alarm {
-            test,
-            age: self.limit_of(test).1,
-        });
+        let alarm = (usable && share > 1.0).then_some(worst);
         let evidence = self.evidence(nav, epoch, alarm);
         let action = self.guard.step(&evidence);
         if action != Action::None {
@@ -253,31 +194,21 @@ impl Supervisor {
     }
 
     fn evidence(&mut self, nav: &Navigator, epoch: &Epoch<'_>, alarm: Option<Alarm>) -> Evidence {
-        let (mut agreement, mut culprits, mut back) = (None, None, 0);
-        if self.guard.blind() || self.guard.state() == State::Partial {
-            for k in 0..self.usage.len() {
-                let gone = self.flagged(epoch, k);
-                self.scratch[0][k] = if gone { f64::NAN } else { self.dev.range[k] };
-                self.scratch[1][k] = if gone { f64::NAN } else { self.dev.rate[k] };
-            }
-            self.means.push(&self.scratch[0], &self.scratch[1]);
+        let state = self.guard.state();
+        if self.guard.blind() || state == State::Partial {
+            let testing = &self.settings.testing;
+            self.hearing.push(&self.dev, |k| testing.flags(epoch, k));
         }
-        if self.guard.blind() && self.means.filled() >= 3 {
-            let covariance = nav.filter.navigation();
-            let towards = |k: usize| self.dev.sight[k].towards;
-            self.jury
-                .summon(&self.means, towards, &covariance, &self.settings.receiver);
-            let said = self.jury.agreement(0);
-            if said.count >= 4 {
-                agreement = Some(said);
-            }
-            if self.guard.state() == State::Deciding && said.mutual > 4.0 {
-                culprits = self
-                    .jury
-                    .culprits(self.settings.testing.most_excluded, 2.33);
-            }
-        } else if self.guard.state() == State::Partial {
-            back = self.agreeing();
+        let (mut agreement, mut culprits, mut back) = (None, None, 0);
+        if self.guard.blind() {
+            let inertial = nav.filter.navigation();
+            agreement = self.hearing.agreement(&self.dev, &inertial, &self.settings);
+        } else if state == State::Partial {
+            back = self.hearing.agreeing(&self.settings);
+        }
+        if let Some(said) = agreement.filter(|_| state == State::Deciding) {
+            let most = self.settings.testing.most_excluded;
+            culprits = self.hearing.culprits(&said, most);
         }
         Evidence {
             time: epoch.time,
@@ -285,26 +216,10 @@ impl Supervisor {
             agreement,
             culprits,
             back,
-            confirmed: self.confirmed,
+            confirmed: self.shadow.confirmed(),
+            acquits: self.shadow.acquits(),
             jump: self.jump,
         }
-    }
-
-    /// Excluded satellites whose means agree with the filter; its own errors are small then.
-    fn agreeing(&self) -> u64 {
-        let noise = &self.settings.receiver;
-        let mut mask = 0;
-        for (k, (mean, count)) in self.means.mean.iter().enumerate() {
-            let n = f64::max(*count as f64, 1.0);
-            // Half a metre and 2 cm/s for the filter itself.
-            let range = noise.wander.hypot(noise.code / n.sqrt()).hypot(1.5);
-            let rate = (noise.rate / n.sqrt()).hypot(0.02);
-            let agrees = mean[0].abs() < AGREES * range && mean[1].abs() < AGREES * rate;
-            if agrees && 2 * count > self.means.filled() && self.means.filled() >= 3 {
-                mask |= 1 << k;
-            }
-        }
-        mask
     }
 
     fn act(&mut self, nav: &mut Navigator, action: Action, time: f64) -> f64 {
@@ -314,31 +229,24 @@ impl Supervisor {
                 let chosen = self.copies.at_least(age, time).clone();
                 back = time - chosen.born;
                 nav.left_behind(&chosen.difference, &mut self.shadow.filter);
-                std::mem::swap(&mut self.shadow.windows, &mut self.windows);
-                (self.shadow.active, self.confirmed) = (true, self.certain());
+                self.shadow.begin();
                 nav.take_back(&chosen.difference, &chosen.covariance);
                 if let Some(tape) = &mut nav.filter.tape {
                     tape.take_back(chosen.born);
                 }
                 self.copies.taken_back(&chosen);
-                self.means.clear();
+                self.hearing.clear();
             }
             Action::ReadmitWithClock => {
                 nav.lose_clock();
                 self.copies.renew_all(&nav.filter.navigation(), time);
-                self.power.rebase();
+                self.monitors.rebase();
             }
-            Action::Readmit => self.power.rebase(),
+            Action::Readmit => self.monitors.rebase(),
             Action::Exclude(_) | Action::Coast | Action::None => (),
         }
-        self.windows.iter_mut().for_each(Windows::clear);
+        self.monitors.clear();
         back
-    }
-
-    /// Whether the alarm needs no confirmation.
-    fn certain(&self) -> bool {
-        let windows = (0..SEPARATION).any(|k| self.deviates[k] > self.limit_of(k).0 + CERTAIN);
-        windows || self.deviates[POWER] > self.limit_of(POWER).0
     }
 
     fn log(&mut self, time: f64, alarm: Option<Alarm>, back: f64, fix: [[f64; 3]; 2]) {
@@ -346,7 +254,7 @@ impl Supervisor {
             time,
             state: self.guard.state(),
             test: alarm.map_or(-1, |a| a.test as i32),
-            deviate: alarm.map_or(f64::NAN, |a| self.deviates[a.test]),
+            deviate: alarm.map_or(f64::NAN, |a| self.monitors.deviates[a.test]),
             excluded: if self.guard.blind() {
                 u64::MAX
             } else {
@@ -360,7 +268,7 @@ impl Supervisor {
     fn record(&mut self, nav: &Navigator) {
         self.output.push_navigator(nav);
         self.output.push_panel(&self.panel, self.detailed);
-        self.output.deviates.extend(self.deviates);
+        self.output.deviates.extend(self.monitors.deviates);
         self.output.state.push(self.guard.state() as u8);
         if self.detailed {
             self.output
@@ -369,28 +277,12 @@ impl Supervisor {
         }
     }
 
-    /// Whether the receiver calls a satellite spoofed, and that counts.
-    fn flagged(&self, epoch: &Epoch<'_>, k: usize) -> bool {
-        self.settings.testing.heed_receiver && epoch.spoofed[k]
-    }
-
     /// Least-squares position and clock, velocity and drift of all satellites minus the INS, from
     /// GNSS alone, and the sums of their squared dilutions.
     fn fix(&self, epoch: &Epoch<'_>) -> ([[f64; 4]; 2], [f64; 2]) {
-        let flagged = |k: usize| self.flagged(epoch, k);
+        let flagged = |k: usize| self.settings.testing.flags(epoch, k);
         let (place, wide) = solve(&self.dev.range, &self.dev.sight, flagged);
         let (speed, broad) = solve(&self.dev.rate, &self.dev.sight, flagged);
         ([place, speed], [wide, broad])
     }
-}
-
-/// Median interval between epochs, s.
-fn typical(times: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = times
-        .windows(2)
-        .map(|w| w[1] - w[0])
-        .filter(|s| *s > 0.0)
-        .collect();
-    steps.sort_unstable_by(f64::total_cmp);
-    steps.get(steps.len() / 2).copied().unwrap_or(1.0)
 }

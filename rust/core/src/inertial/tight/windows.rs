@@ -1,5 +1,8 @@
 //! Sums of whitened innovations over several windows, and their chi-square as a normal deviate.
 
+/// One innovation counts no more than this, so that one glitch is no attack.
+pub const CLIP: f64 = 5.0;
+
 /// Normal deviate of a chi-square (E. B. Wilson, M. M. Hilferty, Proc. Nat. Acad. Sci. 17 (1931)
 /// 684): from 3 degrees of freedom on it is within 2 % up to 8.
 pub fn deviate(square: f64, freedom: usize) -> f64 {

@@ -18,6 +18,7 @@ fn quiet(time: f64) -> Evidence {
         culprits: None,
         back: 0,
         confirmed: false,
+        acquits: true,
         jump: 0.0,
     }
 }
@@ -74,6 +75,33 @@ fn a_false_alarm_is_pardoned() {
     let (time, action) = until(&mut guard, 162.0, 200, quiet).unwrap();
     assert_eq!((time, action), (250.0, Action::Readmit));
     assert_eq!(guard.state(), State::Trusted);
+}
+
+#[test]
+fn nothing_is_pardoned_while_what_came_since_is_unusual() {
+    let doubtful = |time: f64| Evidence {
+        acquits: time > 300.0,
+        ..quiet(time)
+    };
+    let mut guard = alarmed();
+    until(&mut guard, 101.0, 100, doubtful).unwrap();
+    let found = until(&mut guard, 162.0, 300, doubtful);
+    assert_eq!(found, Some((301.0, Action::Readmit)));
+}
+
+#[test]
+fn a_clock_that_is_off_by_little_is_found_anew_in_the_end() {
+    let clock = |time| Evidence {
+        agreement: Some(Agreement {
+            position: 0.0,
+            ..agreement(3.8, 0.0)
+        }),
+        ..quiet(time)
+    };
+    let mut guard = alarmed();
+    until(&mut guard, 101.0, 100, clock).unwrap();
+    let found = until(&mut guard, 162.0, 300, clock);
+    assert_eq!(found, Some((250.0, Action::ReadmitWithClock)));
 }
 
 #[test]

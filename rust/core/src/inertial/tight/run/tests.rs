@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::*;
 use crate::inertial::closed_form;
 use crate::inertial::strapdown::error_of;
+use crate::inertial::tight::guard::State;
 use crate::inertial::tight::motion::local_axes;
 use crate::inertial::tight::output::Usage;
 use crate::inertial::tight::settings::{
@@ -61,6 +62,7 @@ pub fn settings(mode: Mode) -> Settings {
         outages: Vec::new(),
         bridge: 0.5,
         smooth: false,
+        subsets: false,
     }
 }
 
@@ -271,6 +273,20 @@ fn three_that_are_pulled_are_left_out_and_come_back() {
     assert!(named.contains(&0b101_0010), "{:?}", made.events);
     assert_eq!(made.usage[80 * SATELLITES + 4], Usage::Excluded as u8);
     assert_eq!(made.usage[158 * SATELLITES + 4], Usage::Used as u8);
+    assert!(errors(&scene, &made).0 < 1.0);
+}
+
+#[test]
+fn one_bad_epoch_of_whatever_size_is_pardoned() {
+    let mut scene = scene(260.0, 0.0);
+    for k in 0..SATELLITES {
+        let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+        scene.range[80 * SATELLITES + k] += 5.0 * sign;
+    }
+    let made = fly(&scene, &settings(Mode::Robust), 1).remove(0);
+    assert!(made.events[0].deviate > 8.0, "{:?}", made.events);
+    let last = made.events.last().unwrap();
+    assert!(last.state == State::Trusted && last.time < 240.0);
     assert!(errors(&scene, &made).0 < 1.0);
 }
 
