@@ -16,6 +16,7 @@ from sdr_spoof.nav.rinex_nav import read_navigation
 from sdr_spoof.records import SatelliteVerdict, Verdict
 from sdr_spoof.scenario import load_scenario
 from sdr_spoof.sinks.hdf5 import Result, read_result, write_result
+from sdr_spoof.sinks.rinex_obs import UNSETTLED_M
 from sdr_spoof.sources import RecordingFormat
 
 PLACE = (31.2, 121.5, 30.0)
@@ -90,7 +91,8 @@ def test_files_agree(written):
     read = georinex.load(folder / "observations.rnx", use="C")
     for i, signal in enumerate(seen.signals):
         theirs = read["C2I"].sel(sv=signal.satellite).values
-        ours = np.where(seen.spoofed[:, i], np.nan, seen.pseudorange_m[:, i])
+        blank = seen.spoofed[:, i] | (seen.unsettled_m[:, i] > UNSETTLED_M)
+        ours = np.where(blank, np.nan, seen.pseudorange_m[:, i])
         assert np.allclose(theirs, ours, atol=6e-4, equal_nan=True)
     ephemerides = read_navigation(folder / "navigation4.rnx").ephemerides
     assert {e.prn for e in ephemerides} == {s.prn for s in seen.signals}
