@@ -12,11 +12,12 @@ from sdr_spoof.studies import gaps
 @pytest.mark.parametrize(
     ("sky", "known", "seed"),
     [
-        # Each had fixes that were called good, and were 42, 133, 1285 and 778 m off.
+        # Each had fixes that were called good, and were 42, 133, 1285 and 778 m off, and 1606 km.
         ("L1 C/A", "messages", 19),
         ("L1 C/A", "early gap", 0),
         ("L1 C/A", "early gap", 14),
         ("L1 C/A", "hot", 0),
+        ("L1 C/A", "hot", 31),
         ("B1I, D1", "hot", 3),
         ("B1I, D2", "early gap", 1),
         ("B1C", "hot", 2),
