@@ -71,6 +71,13 @@ impl Shadow {
         self.acquits
     }
 
+    /// What it finds the navigator's errors to be, and their covariance, if it still follows.
+    pub fn finding(&self) -> Option<([f64; NAV], Square)> {
+        let mut errors = [0.0; NAV];
+        errors.copy_from_slice(&self.filter.x[..NAV]);
+        (self.active && !self.confirmed).then(|| (errors, self.filter.navigation()))
+    }
+
     /// Ends.
     pub fn end(&mut self) {
         self.active = false;

@@ -238,6 +238,10 @@ impl Supervisor {
                 self.hearing.clear();
             }
             Action::ReadmitAnew => {
+                // Where the INS is off it is put right at once: it must not alarm again.
+                if let Some((errors, covariance)) = self.shadow.finding() {
+                    nav.take_back(&errors, &covariance);
+                }
                 nav.lose_clock();
                 self.copies.renew_all(&nav.filter.navigation(), time);
                 self.monitors.rebase();
