@@ -275,9 +275,6 @@ impl ErrorFilter {
             self.p[row * n..row * n + NAV].copy_from_slice(values);
         }
         self.forget_behind();
-        if let Some(subsets) = &mut self.subsets {
-            subsets.clear();
-        }
     }
 
     /// Adds to the variances of three states from `first` on.

@@ -161,6 +161,14 @@ impl Navigator {
     pub fn take_back(&mut self, errors: &[f64; NAV], covariance: &Square) {
         self.shift(errors);
         self.filter.replace(covariance);
+        if let Some(subsets) = &mut self.filter.subsets {
+            // They do not go back: each has never used what the estimate may have used wrongly.
+            let mut off = errors.to_vec();
+            if self.filter.layout.wander.is_some() {
+                off.extend(&self.wander);
+            }
+            subsets.corrected(&off);
+        }
         self.wander.fill(0.0);
         self.past = None;
     }

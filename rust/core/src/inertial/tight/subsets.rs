@@ -63,11 +63,6 @@ impl Subsets {
         }
     }
 
-    /// The whole filter begins anew, and is trusted.
-    pub fn clear(&mut self) {
-        self.without.fill(None);
-    }
-
     /// What each is apart from the whole filter; NaN for satellites that were not used.
     pub fn apart(&self) -> impl Iterator<Item = Apart> + '_ {
         self.without.iter().map(|filter| match filter {
@@ -88,7 +83,9 @@ fn apart(filter: &ErrorFilter) -> Apart {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::inertial::closed_form;
     use crate::inertial::tight::covariance::{at_rest, zeros};
+    use crate::inertial::tight::navigator::Navigator;
     use crate::inertial::tight::run::tests::{noise, settings};
     use crate::inertial::tight::settings::Mode;
     use crate::inertial::tight::NAV;
@@ -142,7 +139,37 @@ mod tests {
         let pairs = found.p.iter().zip(&without.p);
         assert!(pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-12));
         assert!(subsets.apart().all(|a| a.iter().all(|v| *v > 0.0)));
-        subsets.clear();
-        assert!(subsets.apart().all(|a| a.iter().all(|v| v.is_nan())));
+    }
+
+    #[test]
+    fn they_stay_where_they_are_when_the_navigator_goes_back() {
+        let ship = closed_form::ship().state(0.0);
+        let mut nav = Navigator::new(ship, &settings(Mode::Off), 3, 1);
+        nav.filter.subsets = Some(Box::new(Subsets::new(3)));
+        let use_all = |nav: &mut Navigator| {
+            for satellite in 0..3 {
+                let (row, said) = (row(satellite, 1), noise(satellite));
+                nav.filter.update_by(satellite, &row, said, 0.25, 0.0);
+            }
+        };
+        // The second time there are coloured errors of codes to be shifted too.
+        use_all(&mut nav);
+        nav.correct();
+        use_all(&mut nav);
+        nav.correct();
+        let errors = std::array::from_fn(|k| 1e-3 * (k + 1) as f64);
+        let mut shifted = nav.filter.alone();
+        nav.left_behind(&errors, &mut shifted);
+        assert!(shifted.x[NAV] != 0.0);
+        let before = nav.filter.subsets.clone().unwrap();
+        nav.take_back(&errors, &zeros());
+        let after = nav.filter.subsets.unwrap();
+        for (old, new) in before.without.iter().zip(&after.without) {
+            let (old, new) = (old.as_ref().unwrap(), new.as_ref().unwrap());
+            assert_eq!(old.p, new.p);
+            for ((o, n), by) in old.x.iter().zip(&new.x).zip(&shifted.x) {
+                assert!((o + by - n).abs() < 1e-12);
+            }
+        }
     }
 }
