@@ -117,6 +117,7 @@ def png_of(canvas: FigureCanvasAgg) -> bytes:
     buffer = io.BytesIO()
     pixels = np.asarray(canvas.buffer_rgba())[..., :3]  # type: ignore[no-untyped-call]
     few = Image.fromarray(pixels).quantize(COLOURS, Image.Quantize.FASTOCTREE, dither=NO_DITHER)
+    few.putpalette([255 if value == 254 else value for value in few.getpalette() or ()])  # white
     few.save(buffer, "png", compress_level=1, dpi=(DPI, DPI))
     return buffer.getvalue()
 
