@@ -4,10 +4,11 @@
 //! their expectation is 0. What was taken off is known, so that `adjoint`, which only carries what
 //! innovations say, needs no account of it; the smoothed errors are taken off once more. Where the
 //! guard went back to a trusted copy the record is the copy's way (see `tape`), and the smoother
-//! leads from the last epoch that was trusted to the first one after the coasting.
+//! leads from the last epoch that was trusted to the first one after the coasting. Where it went
+//! over to the shadow, whose way was not recorded, the record breaks: either side is smoothed alone.
 
 use super::adjoint::Adjoint;
-use super::tape::{without, Tape};
+use super::tape::{without, Anew, Tape};
 use super::{ATTITUDE, NAV, POSITION, VELOCITY};
 use crate::inertial::NavState;
 
@@ -57,8 +58,10 @@ pub fn smooth(tape: &Tape, epochs: usize) -> Smoothed {
         let state = without(&entry.state, &back.errors(rows));
         let covariance = back.covariance(rows, [POSITION, VELOCITY, ATTITUDE]);
         made.put(entry.epoch, &state, &covariance);
-        if entry.forgets {
-            back.began_anew();
+        match entry.anew {
+            Anew::Nothing => (),
+            Anew::Behind => back.began_anew(),
+            Anew::Everything => back = Adjoint::new(layout.count),
         }
         if let Some(past) = layout.past {
             back.remembered(past);

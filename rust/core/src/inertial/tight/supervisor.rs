@@ -241,6 +241,9 @@ impl Supervisor {
                 // Where the INS is off it is put right at once: it must not alarm again.
                 if let Some((errors, covariance)) = self.shadow.finding() {
                     nav.take_back(&errors, &covariance);
+                    if let Some(tape) = &mut nav.filter.tape {
+                        tape.begin_anew();
+                    }
                 }
                 nav.lose_clock();
                 self.copies.renew_all(&nav.filter.navigation(), time);

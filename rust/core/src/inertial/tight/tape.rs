@@ -20,6 +20,17 @@ const SAME: f64 = 1e-6;
 /// Most columns of a row that are not 0, but for offsets of systems.
 const COLUMNS: usize = 8;
 
+/// What of the states begins anew at an epoch: nothing later says anything of what they were before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Anew {
+    /// No state.
+    Nothing,
+    /// All states behind those of navigation.
+    Behind,
+    /// All states.
+    Everything,
+}
+
 /// An epoch after its last correction.
 #[derive(Debug, Clone, Copy)]
 pub struct Entry {
@@ -29,8 +40,8 @@ pub struct Entry {
     pub time: f64,
     /// What the navigator says.
     pub state: NavState,
-    /// All states behind those of navigation begin anew here.
-    pub forgets: bool,
+    /// Which states are not those of the epoch before.
+    pub anew: Anew,
     legs: usize,
     used: usize,
 }
@@ -58,7 +69,7 @@ pub struct Tape {
     pub layout: Layout,
     first: Square,
     start: f64,
-    forgets: bool,
+    anew: Anew,
     entries: Vec<Entry>,
     legs: Vec<(Motion, NavState)>,
     /// Variance, innovation, and where the columns of each measurement end.
@@ -86,7 +97,7 @@ impl Tape {
             layout: filter.layout,
             first: filter.navigation(),
             start,
-            forgets: false,
+            anew: Anew::Nothing,
             entries: Vec::with_capacity(epochs),
             legs: Vec::with_capacity(epochs),
             used: Vec::with_capacity(measurements),
@@ -119,7 +130,7 @@ impl Tape {
             epoch,
             time,
             state,
-            forgets: std::mem::take(&mut self.forgets),
+            anew: std::mem::replace(&mut self.anew, Anew::Nothing),
             legs: self.legs.len(),
             used: self.used.len(),
         });
@@ -148,7 +159,12 @@ impl Tape {
             self.write(k, &covariance);
         }
         self.forget_since(kept);
-        self.forgets = true;
+        self.anew = Anew::Behind;
+    }
+
+    /// At the next epoch the navigator has gone over to an estimate that does not come from its own.
+    pub fn begin_anew(&mut self) {
+        self.anew = Anew::Everything;
     }
 
     /// How many epochs there are.

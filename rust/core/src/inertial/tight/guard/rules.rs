@@ -31,7 +31,7 @@ pub struct Rules {
     pub outside: f64,
     /// A step of the fix against the INS is at least so many standard deviations.
     pub jump: f64,
-    /// After a step back all agree within so long.
+    /// After a step back, and after an interruption of the agreement, all agree within so long.
     pub settles: f64,
 }
 

@@ -205,3 +205,26 @@ fn a_clock_alone_is_found_anew() {
     let (_, action) = until(&mut guard, 101.0, 60, clock).unwrap();
     assert_eq!(action, Action::ReadmitAnew);
 }
+
+#[test]
+fn an_epoch_out_of_place_does_not_undo_a_step_back() {
+    let far = |time| Evidence {
+        confirmed: true,
+        agreement: Some(agreement(30.0, 0.0)),
+        ..quiet(time)
+    };
+    let landed = |time: f64, out: std::ops::Range<f64>| Evidence {
+        confirmed: true,
+        jump: if time < 464.0 { 30.0 } else { 0.0 },
+        agreement: Some(agreement(0.0, if out.contains(&time) { 3.5 } else { 0.0 })),
+        ..quiet(time)
+    };
+    let mut guard = alarmed();
+    until(&mut guard, 101.0, 361, far).unwrap();
+    let mut again = guard.clone();
+    let found = until(&mut guard, 462.0, 100, |t| landed(t, 481.0..482.0));
+    assert_eq!(found, Some((502.0, Action::Readmit)));
+    // Who disagrees for longer has left the INS again.
+    let found = until(&mut again, 462.0, 1000, |t| landed(t, 475.0..500.0));
+    assert_eq!(found, None);
+}

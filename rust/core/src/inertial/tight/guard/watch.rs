@@ -15,6 +15,8 @@ pub struct Watch {
     stepped: Option<f64>,
     /// When the fix stepped against the INS last.
     jumped: Option<f64>,
+    /// When they agreed after it last.
+    landed: Option<f64>,
     /// Whether the clock agrees too.
     clock: bool,
 }
@@ -23,9 +25,9 @@ impl Watch {
     /// Takes an epoch after the alarm at `alarmed`.
     pub fn push(&mut self, seen: &Evidence, r: &Rules, alarmed: f64) {
         let Some(said) = seen.agreement else {
-            let jumped = self.jumped;
             *self = Watch {
-                jumped,
+                jumped: self.jumped,
+                landed: self.landed,
                 ..Watch::default()
             };
             return;
@@ -40,8 +42,12 @@ impl Watch {
         if seen.jump > r.jump && seen.time - alarmed > r.after_alarm {
             self.jumped = Some(seen.time);
         }
-        let recent = self.jumped.is_some_and(|j| seen.time - j <= r.settles);
-        let back = self.clock && (recent || self.stepped.is_some());
+        // A step comes once: an epoch out of place delays the return, and does not undo the step.
+        let recent = |when: Option<f64>| when.is_some_and(|t| seen.time - t <= r.settles);
+        let back = self.clock && (recent(self.jumped) || recent(self.landed));
+        if back {
+            self.landed = Some(seen.time);
+        }
         lasts(&mut self.stepped, back, seen.time);
     }
 

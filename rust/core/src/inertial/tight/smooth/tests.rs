@@ -1,10 +1,15 @@
 //! The adjoint against all measurements at once, and against the smoother with gains.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 use linear::{begin, Event, Linear, EPOCHS};
 
-use crate::inertial::tight::run::tests::settings;
+use super::{smooth, Tape};
+use crate::inertial::closed_form;
+use crate::inertial::tight::covariance::Row;
+use crate::inertial::tight::filter::ErrorFilter;
+use crate::inertial::tight::motion::Motion;
+use crate::inertial::tight::run::tests::{noise, settings};
 use crate::inertial::tight::settings::{Mode, Settings};
 use crate::inertial::tight::NAV;
 
@@ -104,4 +109,54 @@ fn it_is_the_smoother_with_gains_in_closed_loop() {
         }
         assert!((covariance[1][4] - left[(4, 4)]).abs() < 1e-9);
     });
+}
+
+/// A record of so many epochs on a ship; at `jump` the navigator goes over to another estimate.
+fn recorded(epochs: usize, jump: Option<usize>) -> Tape {
+    let believed = believed(0.0, 1.0);
+    let mut filter = ErrorFilter::new(&believed, 2, 1);
+    filter.tape = Some(Box::new(Tape::new(
+        &believed,
+        &filter,
+        0.0,
+        epochs,
+        4 * epochs,
+    )));
+    for epoch in 0..epochs {
+        let time = 1.0 + epoch as f64;
+        let state = closed_form::ship().state(time);
+        let mut motion = Motion::new();
+        motion.add(&state, &Vector3::new(0.0, 0.0, -9.8), 1.0);
+        filter.predict(&motion.transition(&state, &believed));
+        filter.tape.as_mut().unwrap().moved(motion, &state);
+        for k in 0..4 {
+            let mut row = Row::default();
+            row.push((epoch + k) % 6, 1.0);
+            row.push(NAV + k % 2, 1.0);
+            filter.update(&row, noise(4 * epoch + k), 0.25, 0.0);
+        }
+        filter.taken_off();
+        if jump == Some(epoch) {
+            filter.replace(&filter.navigation());
+            filter.tape.as_mut().unwrap().begin_anew();
+        }
+        let tape = filter.tape.as_mut().unwrap();
+        tape.close(epoch, time, state, &filter.p);
+    }
+    *filter.tape.unwrap()
+}
+
+#[test]
+fn before_a_jump_nothing_later_is_heard() {
+    const JUMP: usize = 4;
+    let broken = smooth(&recorded(9, Some(JUMP)), 9);
+    let whole = smooth(&recorded(9, None), 9);
+    // The epoch of the jump is another estimate; what was measured at it belongs to those before.
+    let before = smooth(&recorded(JUMP + 1, None), JUMP + 1);
+    for epoch in 0..JUMP {
+        assert_eq!(broken.place[epoch], before.place[epoch]);
+        assert_eq!(broken.covariance[epoch], before.covariance[epoch]);
+        assert_ne!(broken.place[epoch], whole.place[epoch]);
+    }
+    assert_ne!(broken.place[JUMP], before.place[JUMP]);
 }
