@@ -131,6 +131,8 @@ def process(
             located, why_not = try_locate(
                 log, config, verdict, start=recording.start, acquisitions=found
             )
+        if located is not None and located.fixes.fixed.any():
+            pictures.located(located.route)
         with stages("Reporting") as progress:
             known: dict[str, Any] = {"acquisitions": found, "log": log, "verdict": verdict}
             more = located.records() if located is not None else {}

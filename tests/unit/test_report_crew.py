@@ -109,9 +109,9 @@ def test_axes_that_move_follow_the_lines(symlog):
         ticks = (-size, 0.0, size) if symlog else None
         panel = Panel(look, (stroke,), limits=(-2 * size, 2 * size), ticks=ticks)
         png = QuietDrawing.of([panel], ["B1I"], 10.0).png(sheets)
-        pixels.append(np.asarray(Image.open(io.BytesIO(png)), dtype=int))
+        pixels.append(np.asarray(Image.open(io.BytesIO(png)).convert("RGB"), dtype=int))
     np.testing.assert_array_equal(pixels[0], pixels[2])
-    changed = np.abs(pixels[1] - pixels[0]).any(axis=2)
+    changed = np.abs(pixels[1] - pixels[0]).max(axis=2) > 30  # twice what 256 colours are off
     assert changed[:, 50:115].any()
     assert not changed[-55:].any()  # labels of the time axis
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pickle
 import sys
 
-from .figures import quiet, satellite, signals, spectrum  # noqa: F401  loaded before they are asked
+from .figures import position, quiet, satellite, signals, sky_plot, spectrum  # noqa: F401  loaded before they are asked
 from .figures.sheet import Sheets
 
 

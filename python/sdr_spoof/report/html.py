@@ -23,7 +23,7 @@ from sdr_spoof.report.figures.difference import draw_difference
 from sdr_spoof.report.figures.overview import draw_overview
 from sdr_spoof.report.figures.truth import TruthMark
 from sdr_spoof.report.pictures import MOST_DETAILS, Pictures
-from sdr_spoof.report.position import draw_position
+from sdr_spoof.report.position import position_part
 from sdr_spoof.report.spectrum import RecordingLike, estimate_spectrum
 from sdr_spoof.sinks.atomic import replacing
 from sdr_spoof.verdict import CLEAN, NO_SUPPORT, SPOOFED, SUSPECT, statistics
@@ -76,7 +76,7 @@ def write_report(
     spectral = pictures.spectrum(spectrum, signals) if spectrum is not None else None
     cn0 = pictures.cn0(log, verdict)
     tests = _draw_tests(log, verdict, book, truth)
-    position = draw_position(located, why_not_located)
+    position = position_part(located, why_not_located, pictures)
     pictures.finish()
     content = template("report.html.j2").stream(
         words=words,

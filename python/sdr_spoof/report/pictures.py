@@ -8,15 +8,18 @@ from sdr_spoof.satellites import satellites_in, tracks_of
 
 from .crew import finish
 from .figures.evidence_panels import evidence_panels
+from .figures.position import RouteDrawing, draw_geometry, draw_track
 from .figures.quiet import QuietDrawing
 from .figures.satellite import SatelliteDrawing
 from .figures.signals import AcquisitionDrawing, Cn0Drawing
+from .figures.sky_plot import draw_sky
 from .figures.spectrum import SpectrumDrawing
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Sequence
 
     from sdr_spoof.records import Acquisition, SatelliteVerdict, TrackLog, Verdict
+    from sdr_spoof.route import Route
 
     from .crew import Crew, Drawing, Picture
     from .evidence import EvidenceBook
@@ -99,6 +102,14 @@ class Pictures:
             return None
         verdicts = {(s.system, s.prn): s.verdict for s in verdict.satellites}
         return self._once("cn0", lambda: Cn0Drawing.of(log, verdicts))
+
+    def located(self, route: Route) -> list[Picture]:
+        """Sky, track, and geometry over time; the route has a position."""
+        asked = [self._of(route, draw) for draw in (draw_sky, draw_track, draw_geometry)]
+        return [picture for picture in asked if picture is not None]
+
+    def _of(self, route: Route, draw: Callable[[Route], bytes]) -> Picture | None:
+        return self._once(draw, lambda: RouteDrawing(draw, route))
 
     def finish(self) -> None:
         """Draw here what no process has begun."""

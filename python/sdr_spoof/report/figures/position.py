@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,17 +14,33 @@ from .scatter import scatter_of
 from .sky_plot import LABELS
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from sdr_spoof.route import Route
 
+    from .sheet import Sheets
+
 SEMI_MAJOR_M, FLATTENING = 6_378_137.0, 1 / 298.257223563
 """WGS-84."""
 BESIDE = {"left": 0.068, "right": 0.992, "bottom": 0.095, "top": 0.87, "wspace": 0.16}
 BELOW = {"left": 0.075, "right": 0.95, "bottom": 0.07, "top": 0.985, "hspace": 0.32}
 """Where panels stand beside and below each other."""
+
+
+@dataclass(frozen=True)
+class RouteDrawing:
+    """A picture of a route."""
+
+    draw: Callable[[Route], bytes]
+    route: Route
+
+    def png(self, _: Sheets) -> bytes:
+        """Draw it."""
+        return self.draw(self.route)
 
 
 def local_m(route: Route) -> NDArray[np.float64]:
@@ -44,7 +61,7 @@ def local_m(route: Route) -> NDArray[np.float64]:
     return np.stack([east, north, place[:, 2] - middle[2]], axis=1)
 
 
-def draw_track(route: Route) -> str:
+def draw_track(route: Route) -> bytes:
     """Map and scatter side by side."""
 
     def draw(figure: Figure) -> None:
@@ -65,7 +82,7 @@ def draw_track(route: Route) -> str:
         track.plot([], [], "x", color=style.INK, label="not to be trusted")
         figure.legend(loc="upper right", ncols=len(Alarm) + 1)
 
-    return style.render(draw, 10, 4.8, placed=True)
+    return style.png(draw, 10, 4.8, placed=True)
 
 
 def _dots(axes: Axes, route: Route, x: NDArray[np.float64], y: NDArray[np.float64]) -> None:
@@ -77,7 +94,7 @@ def _dots(axes: Axes, route: Route, x: NDArray[np.float64], y: NDArray[np.float6
     axes.plot(x[doubt], y[doubt], "x", color=style.INK, markersize=6, zorder=3)
 
 
-def draw_geometry(route: Route) -> str:
+def draw_geometry(route: Route) -> bytes:
     """Height, DOP, satellites used, and residuals over time."""
 
     def draw(figure: Figure) -> None:
@@ -100,7 +117,7 @@ def draw_geometry(route: Route) -> str:
         _residuals(residual, route)
         residual.set_xlabel("Time (s)")
 
-    return style.render(draw, 10, 6.4, placed=True)
+    return style.png(draw, 10, 6.4, placed=True)
 
 
 def _residuals(axes: Axes, route: Route) -> None:

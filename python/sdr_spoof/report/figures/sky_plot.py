@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from sdr_spoof.route import Route, SatelliteView
 
 
-def draw_sky(route: Route) -> str:
+def draw_sky(route: Route) -> bytes:
     """Azimuth and elevation of each satellite over the recording, coloured by what was said of it.
 
     A dot is where it stood last; hollow where the last fix did not use it.
@@ -41,7 +41,7 @@ def draw_sky(route: Route) -> str:
         axes.plot([], [], "o", color=style.MUTED, fillstyle="none", label="not used at the end")
         axes.legend(loc="lower left", bbox_to_anchor=(1.02, 0.0))
 
-    return style.render(draw, WIDTH_IN, HEIGHT_IN, placed=True)
+    return style.png(draw, WIDTH_IN, HEIGHT_IN, placed=True)
 
 
 WIDTH_IN, HEIGHT_IN = 6.6, 4.8

@@ -6,14 +6,14 @@ import base64
 import gc
 import io
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.image import imsave
 from matplotlib.lines import Line2D
+from PIL import Image
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -40,6 +40,7 @@ BAND_COLOURS = {
 Dash = tuple[int, tuple[int, ...]]
 SOLID: Dash = (0, ())
 DPI = 140
+COLOURS, NO_DITHER = 256, Image.Dither.NONE
 MOST_POINTS = 4000
 """Points of a line; a picture is 1400 pixels wide."""
 
@@ -110,12 +111,14 @@ def _png(
 def png_of(canvas: FigureCanvasAgg) -> bytes:
     """What a canvas shows, as PNG without a date.
 
-    Lightly compressed: the usual saves a tenth of the room and takes 1.5 times as long.
+    Of 256 colours, by an octree: no channel of a chart's few hues is off by more than 15 of 255,
+    and those of few pixels; true colours take 2.6 times the room and twice the time.
     """
     buffer = io.BytesIO()
-    pixels = canvas.buffer_rgba()  # type: ignore[no-untyped-call]
-    plain: dict[str, Any] = {"metadata": {"Software": None}, "pil_kwargs": {"compress_level": 1}}
-    imsave(buffer, pixels, format="png", dpi=DPI, **plain)
+    pixels = np.asarray(canvas.buffer_rgba())[..., :3]  # type: ignore[no-untyped-call]
+    few = Image.fromarray(pixels).quantize(COLOURS, Image.Quantize.FASTOCTREE, dither=NO_DITHER)
+    few.putpalette([255 if value == 254 else value for value in few.getpalette() or ()])  # white
+    few.save(buffer, "png", compress_level=1, dpi=(DPI, DPI))
     return buffer.getvalue()
 
 
