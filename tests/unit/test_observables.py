@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from observed_tracks import LIGHT_M_S, START, Moving, anchor, navigation, observ
 from sdr_spoof.nav.records import Navigation
 from sdr_spoof.nav.time import GnssTime
 from sdr_spoof.observables import ObservablesConfig, observe
+from sdr_spoof.observables.clock import set_clock
 from sdr_spoof.observations import SUBCARRIER
 from sdr_spoof.records import SatelliteVerdict, Verdict
 from sdr_spoof.signals import signal_spec
@@ -322,3 +324,15 @@ def test_epochs_are_those_of_gpst():
     assert isinstance(seen.reference, GnssTime)
     assert seen.interval_s == pytest.approx(0.1)
     assert np.allclose(np.diff(seen.time_s), 0.1)
+
+
+@pytest.mark.parametrize("times_s", [(5.0, 5.3), (5.0, 5.01, 5.3, 5.32)])
+def test_a_clock_is_set_where_half_of_the_satellites_tell_another_time(times_s):
+    """As after samples that are missing before the first frame of some."""
+    spans = [
+        SimpleNamespace(from_s=1.0, until_s=9.0, origin=GnssTime(1000), ahead_s=lambda _, t=t: t)
+        for t in times_s
+    ]
+    (piece,) = set_clock(spans).pieces
+    delays_s = [(piece.time - GnssTime(1000)) - piece.sample_s - t for t in times_s]
+    assert sum(0.0 < d < 0.25 for d in delays_s) == len(times_s) // 2

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from statistics import median_low
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -96,7 +97,7 @@ def set_clock(spans: Sequence[Span]) -> ReceiverClock:
             continue
         first = group[0].origin
         ahead = [(s.origin - first) + s.ahead_s(s.from_s) for s in group]
-        middle = float(np.median(ahead))
+        middle = median_low(ahead)  # one of them, even where they are of two minds
         nearest = float(max(a for a in ahead if abs(a - middle) <= TOGETHER_S))
         pieces.append(ClockPiece(start_s, first + nearest + (start_s + FIRST_DELAY_S)))
     return ReceiverClock(tuple(pieces))
